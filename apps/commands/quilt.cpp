@@ -31,6 +31,8 @@ void add_options(CLI::App& command, Asked& asked) {
       .add_option("--mask", request.masks, "Do not copy the white pixels of this image; one for each clip")
       ->type_name("IMAGE");
   command.add_option("--guide", request.guide, "Follow the brightness of this image")->type_name("IMAGE");
+  command.add_option("--surface", request.surface, "Make the texture of this mesh (OBJ); default size: 1024")
+      ->type_name("MESH");
   command.add_option("--apply", request.apply, "Render this map, the layout of another quilt")
       ->type_name("MAP.npy");
   command
@@ -67,6 +69,8 @@ void add_quilt_settings(Settings& settings, QuiltRequest& request) {
   add("exact", quilt.exact, "", "Compare every place over all of time: slow, chooses the same", "");
   add("flatten", request.flatten, "PX", "Remove gradients wider than this from the clips; 0: none",
       "0, 1 to 4096");
+  add("pixel", request.pixel, "LENGTH",
+      "Size of the clip's pixel on the surface, in the mesh's unit; 0: that of a texel", "0 to 1e12");
   add("memory", request.memory, "MB", "Keep so much of the clips in memory, the rest in a file beside OUT",
       "0 to 1000000");
   settings.add_word("quilt", "seams", request.seams, {"still", "moving"}, "",
@@ -114,7 +118,8 @@ void add_quilt(CLI::App& app, CommandLine& line) {
       add_command(app, "quilt", "Extend a time-lapse in space, and vary the speed of time over it", R"(
   emberfold quilt builtin:rust -o out/rust
   emberfold quilt stone.png -o tile.png --size 1024 --tileable
-  emberfold quilt normals.avi --apply out/rust/map.npy -o out/normals)");
+  emberfold quilt builtin:rust --surface pot.obj -o out/pot
+  emberfold quilt normals.avi --apply out/pot/map.npy -o out/normals)");
   const auto asked = std::make_shared<Asked>();
   add_reading(*command, asked->reading, false);
   add_options(*command, *asked);
