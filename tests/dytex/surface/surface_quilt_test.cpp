@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "dytex/quilting/quilt_measures.hpp"
 #include "dytex/surface/block_cut.hpp"
 #include "dytex/surface/surface_measures.hpp"
 #include "tests/dytex/quilting/quilt_make.hpp"
@@ -61,7 +62,10 @@ TEST_CASE("a quilt on a flat surface copies blocks as they are and joins them wh
     }
   CHECK(std::ranges::count(shows, true) > 40);
   CHECK(quilt.choices.size() == 64);  // as in the plane: a block every 12 px
-  CHECK(measured(layout, quilt, source).seam_ratio() < 1.6);
+  const auto plane = quilted(source, options_of(layout));
+  const std::vector<const dytex::Trajectories*> sources{&source};
+  CHECK(measured(layout, quilt, source).seam_ratio() <
+        1.1 * dytex::measure_quilt(plane.map, {}, sources).seam_ratio());
 }
 
 TEST_CASE("blocks have the same size on the surface however it is stretched") {
@@ -77,7 +81,7 @@ TEST_CASE("blocks have the same size on the surface however it is stretched") {
       if (y + 1 < 60 && same_block(quilt, at, at + 120))
         CHECK(dytex::continues(quilt.map.pixels[at], quilt.map.pixels[at + 120], {0, 1}));
     }
-  CHECK(quilt.choices.size() == 25);
+  CHECK(quilt.choices.size() <= 30);  // 25 where cells and texels end together
 }
 
 TEST_CASE("blocks fit what lies beyond glued edges") {
