@@ -21,6 +21,8 @@ class EdgeSide {
   [[nodiscard]] Place place(const cv::Point2d& texel) const;
   [[nodiscard]] cv::Point2d texel(const Place& place) const;
   [[nodiscard]] double length() const { return length_; }
+  /// Returns the direction of the way beyond.
+  [[nodiscard]] cv::Point2d outward() const { return beyond_; }
 
  private:
   SurfaceFrame frame_;

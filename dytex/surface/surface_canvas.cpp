@@ -30,6 +30,11 @@ std::vector<std::int32_t> texels_by_chart(const SurfaceLayout& layout) {
   return order;
 }
 
+// The width of what goes on around a block at a border that it has to fit.
+int rim_of(cv::Size block) {
+  return std::max(1, std::min(block.width, block.height) / 6);
+}
+
 }  // namespace
 
 SurfaceCanvas::SurfaceCanvas(const SurfaceLayout& layout, std::span<const QuiltSource> sources,
@@ -41,20 +46,22 @@ SurfaceCanvas::SurfaceCanvas(const SurfaceLayout& layout, std::span<const QuiltS
       neighbours_(layout),
       order_(texels_by_chart(layout)),
       pixels_(layout.triangles.size()),
-      blocks_(layout.triangles.size(), -1) {}
+      blocks_(layout.triangles.size(), -1) {
+  for (const auto& source : sources) courses_.push_back(source.trajectories);
+}
 
 std::int64_t SurfaceCanvas::empty_texels(const BlockRegion& region) const {
   return std::ranges::count_if(region.texels, [&](const auto& one) { return !is_filled(one.texel); });
 }
 
-std::optional<BlockRegion> SurfaceCanvas::next() {
+std::optional<SurfacePlace> SurfaceCanvas::next() {
   while (next_ < order_.size() && is_filled(order_[next_])) ++next_;
-  if (next_ == order_.size()) return std::nullopt;
+  if (next_ == order_.size()) return next_joint();
   const cv::Size block = options_.block;
   const int overlap = options_.overlap;
   auto left = finder_.find(order_[next_], {overlap, overlap}, block);
   auto right = finder_.find(order_[next_], {block.width - 1 - overlap, overlap}, block);
-  return empty_texels(right) > empty_texels(left) ? std::move(right) : std::move(left);
+  return SurfacePlace{empty_texels(right) > empty_texels(left) ? std::move(right) : std::move(left), false};
 }
 
 // What earlier blocks show in a cell. Where texels are larger than cells, that is beside what its texel
@@ -76,9 +83,10 @@ std::vector<SurfaceCanvas::Met> SurfaceCanvas::meet(const BlockRegion& region) c
   for (std::size_t i = 0; i < met.size(); ++i) {
     const std::int32_t own = region.nearest[i];
     if (is_filled(own))
-      met[i] = {shown(region, static_cast<std::int32_t>(i)), blocks_[static_cast<std::size_t>(own)]};
+      met[i] = {shown(region, static_cast<std::int32_t>(i)), blocks_[static_cast<std::size_t>(own)], false};
     else if (own < 0 && is_filled(beyond[i]))
-      met[i] = {pixels_[static_cast<std::size_t>(beyond[i])], blocks_[static_cast<std::size_t>(beyond[i])]};
+      met[i] = {pixels_[static_cast<std::size_t>(beyond[i])], blocks_[static_cast<std::size_t>(beyond[i])],
+                true};
   }
   return met;
 }
@@ -104,8 +112,7 @@ std::vector<SourcePixel> SurfaceCanvas::places_near(const BlockRegion& region,
   return places;
 }
 
-BlockQuery SurfaceCanvas::query(const BlockRegion& region) const {
-  const auto met = meet(region);
+BlockQuery SurfaceCanvas::query_of(const BlockRegion& region, const std::vector<Met>& met) const {
   BlockQuery query;
   query.block.column = static_cast<int>(placed_.size());
   query.block.place = {{}, region.block};
@@ -141,12 +148,28 @@ CellState SurfaceCanvas::state(const BlockRegion& region, std::int32_t cell) con
   return CellState::there;
 }
 
-void SurfaceCanvas::put(const BlockRegion& region, const SourcePixel& at, const cv::Mat& errors) {
+BlockQuery SurfaceCanvas::query(const SurfacePlace& place) const {
+  auto met = meet(place.region);
+  const cv::Size block = place.region.block;
+  const int rim = rim_of(block);
+  const cv::Rect inner(rim, rim, block.width - 2 * rim, block.height - 2 * rim);
+  for (std::size_t i = 0; place.at_border && i < met.size(); ++i)
+    if (!met[i].beyond && inner.contains(place.region.cell(static_cast<std::int32_t>(i)))) met[i] = {};
+  return query_of(place.region, met);
+}
+
+void SurfaceCanvas::put(const SurfacePlace& place, const SourcePixel& at) {
+  const auto& region = place.region;
   std::vector<CellState> states;
   for (std::size_t i = 0; i < region.nearest.size(); ++i)
     states.push_back(state(region, static_cast<std::int32_t>(i)));
-  const auto own =
-      cut_cells(region.block, states, std::vector<double>(errors.begin<double>(), errors.end<double>()));
+  const auto met = meet(region);
+  auto all = query_of(region, met);
+  const cv::Mat picture =
+      Overlap(courses_, std::move(all.runs), std::move(all.there)).picture(at, region.block);
+  const std::span errors(picture.ptr<double>(), picture.total());
+  const auto own = cut_cells(region.block, states, errors,
+                             place.at_border ? border_costs(region, met, errors) : std::vector<BorderCost>{});
   const auto number = static_cast<std::int32_t>(placed_.size());
   std::set<std::int32_t> touching;
   for (const auto& [texel, cell] : region.texels) {
@@ -154,9 +177,9 @@ void SurfaceCanvas::put(const BlockRegion& region, const SourcePixel& at, const 
     if (block >= 0) touching.insert(block);
     if (block >= 0 && !own[static_cast<std::size_t>(cell)]) continue;
     if (block < 0) ++filled_;
-    const cv::Point place = region.cell(cell);
+    const cv::Point step = region.cell(cell);
     block = number;
-    pixels_[static_cast<std::size_t>(texel)] = {at.source, at.x + place.x, at.y + place.y};
+    pixels_[static_cast<std::size_t>(texel)] = {at.source, at.x + step.x, at.y + step.y};
   }
   touching.erase(number);
   placed_.push_back({at, {touching.begin(), touching.end()}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -16,6 +17,17 @@
 /// A texture of a surface while it grows. Inner header of surfaces.
 namespace emberfold::dytex::detail {
 
+/// The place of a block, or of a smaller one that joins a chart's border to what lies beyond.
+struct SurfacePlace {
+  BlockRegion region;
+  bool at_border = false;
+};
+
+/// Returns the size of a block that joins borders.
+inline cv::Size joint_size(cv::Size block) {
+  return {std::max(2, block.width / 2), std::max(2, block.height / 2)};
+}
+
 class SurfaceCanvas {
  public:
   /// All have to outlive it.
@@ -24,12 +36,14 @@ class SurfaceCanvas {
 
   /// Returns the place of the next block: around the first empty texel, of the largest chart that has one,
   /// which lies `overlap` from the block's top, and as far from that of its sides where the block fills more.
-  /// Nothing where none is empty.
-  [[nodiscard]] std::optional<BlockRegion> next();
-  /// Returns what a block there meets: in its chart, and beyond glued edges.
-  [[nodiscard]] BlockQuery query(const BlockRegion& region) const;
-  /// Lays a block from `at`. `errors`: of what it meets, CV_64F of the block's size.
-  void put(const BlockRegion& region, const SourcePixel& at, const cv::Mat& errors);
+  /// Where none is empty, places of half that size along glued edges follow, then nothing.
+  [[nodiscard]] std::optional<SurfacePlace> next();
+  /// Returns what a block there has to fit: all that it meets in its chart and beyond glued edges; at a
+  /// border, of its own chart only what goes on around it.
+  [[nodiscard]] BlockQuery query(const SurfacePlace& place) const;
+  /// Lays a block from `at`, joined along the cheapest seams; at a border only where that makes it fit
+  /// better.
+  void put(const SurfacePlace& place, const SourcePixel& at);
 
   /// Returns the share of the texels that are no longer empty.
   [[nodiscard]] double share() const {
@@ -47,6 +61,12 @@ class SurfaceCanvas {
   struct Met {
     SourcePixel from;
     std::int32_t block = -1;
+    bool beyond = false;
+  };
+  /// A piece of a glued edge that is to be joined, from its own side.
+  struct Joint {
+    GluedSide own, other;
+    double along = 0;  // source pixels
   };
   [[nodiscard]] bool is_filled(std::int32_t texel) const {
     return texel >= 0 && blocks_[static_cast<std::size_t>(texel)] >= 0;
@@ -55,12 +75,19 @@ class SurfaceCanvas {
   [[nodiscard]] SourcePixel shown(const BlockRegion& region, std::int32_t cell) const;
   [[nodiscard]] std::vector<SourcePixel> places_near(const BlockRegion& region,
                                                      const std::vector<Met>& met) const;
+  [[nodiscard]] BlockQuery query_of(const BlockRegion& region, const std::vector<Met>& met) const;
+  [[nodiscard]] std::vector<BorderCost> border_costs(const BlockRegion& region, const std::vector<Met>& met,
+                                                     std::span<const double> errors) const;
+  void find_joints();
+  [[nodiscard]] std::optional<BlockRegion> region_at(const Joint& joint);
+  [[nodiscard]] std::optional<SurfacePlace> next_joint();
   [[nodiscard]] std::int64_t empty_texels(const BlockRegion& region) const;
   [[nodiscard]] CellState state(const BlockRegion& region, std::int32_t cell) const;
 
   const SurfaceLayout& layout_;
   std::span<const QuiltSource> sources_;
   const QuiltOptions& options_;
+  std::vector<const Trajectories*> courses_;
   RegionFinder finder_;
   GluedNeighbours neighbours_;
   std::vector<std::int32_t> order_;  // texels, chart after chart
@@ -69,6 +96,9 @@ class SurfaceCanvas {
   std::vector<SourcePixel> pixels_;
   std::vector<std::int32_t> blocks_;
   std::vector<Placed> placed_;
+  std::vector<Joint> joints_;
+  std::size_t next_joint_ = 0;
+  bool joins_ = false;  // no texel is empty
 };
 
 }  // namespace emberfold::dytex::detail

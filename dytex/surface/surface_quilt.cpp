@@ -34,20 +34,20 @@ SurfaceQuilt quilt_surface(const SurfaceLayout& layout, std::span<const QuiltSou
   check_surface_options(layout, options, run);
   detail::check_sources(sources, options, run);
   context.report("basis", 0);
-  const detail::BlockSearch search(sources, options, options.block, options.block, context);
+  const detail::BlockSearch search(sources, options, detail::joint_size(options.block), options.block,
+                                   context);
   detail::SurfaceCanvas canvas(layout, sources, options);
   SurfaceQuilt result;
   result.components = search.components();
-  while (const auto region = canvas.next()) {
+  while (const auto place = canvas.next()) {
     context.check();
     context.report("quilt", canvas.share());
-    const auto query = canvas.query(*region);
+    const auto query = canvas.query(*place);
     const std::size_t done = result.choices.size();
-    const QuiltChoice choice = done < run.placed.size()
-                                   ? detail::replayed(run.placed[done], query.block, sources)
-                                   : search.choose(query);
-    canvas.put(*region, choice.at, search.overlap(query).picture(choice.at, options.block));
-    result.choices.push_back(choice);
+    result.choices.push_back(done < run.placed.size()
+                                 ? detail::replayed(run.placed[done], query.block, sources)
+                                 : search.choose(query));
+    canvas.put(*place, result.choices.back().at);
     if (run.keep) run.keep(result.choices);
   }
   result.map = canvas.take_map();
