@@ -68,6 +68,19 @@ void RegionFinder::find_nearest(BlockRegion& region) const {
     }
 }
 
+void RegionFinder::find_rim(BlockRegion& region) const {
+  const auto look_around = [&](std::int32_t texel, std::int32_t cell) {
+    for (const cv::Point step : {cv::Point(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+      const cv::Point beside = layout_.texel(static_cast<std::size_t>(texel)) + step;
+      if (layout_.chart_at(beside) == region.chart && marks_[layout_.index(beside)] != mark_)
+        region.rim.push_back({static_cast<std::int32_t>(layout_.index(beside)), cell});
+    }
+  };
+  for (const auto& [texel, cell] : region.texels) look_around(texel, cell);
+  for (std::size_t i = 0; i < region.nearest.size(); ++i)
+    if (region.nearest[i] >= 0) look_around(region.nearest[i], static_cast<std::int32_t>(i));
+}
+
 BlockRegion RegionFinder::find(std::int32_t seed, const cv::Point& seed_cell, cv::Size block) {
   const auto triangle = static_cast<std::size_t>(layout_.triangles[static_cast<std::size_t>(seed)]);
   BlockRegion region;
@@ -80,6 +93,7 @@ BlockRegion RegionFinder::find(std::int32_t seed, const cv::Point& seed_cell, cv
   region.frame = mean_frame(layout_, region);
   flood(region);
   find_nearest(region);
+  find_rim(region);
   return region;
 }
 

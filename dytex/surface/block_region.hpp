@@ -23,8 +23,8 @@ struct BlockRegion {
   cv::Point2d seed, seed_cell;  ///< a texel, and the cell that it is in
   std::int32_t chart = 0;
   std::vector<Texel> texels;  ///< of the chart, hanging together within the block
-  std::vector<std::int32_t>
-      nearest;  ///< for each cell the texel nearest to its middle; −1: not of the region
+  std::vector<Texel> rim;     ///< texels of the chart beside the region, and the cells that these are beside
+  std::vector<std::int32_t> nearest;  ///< of each cell: the region's texel nearest to its middle, or −1
 
   [[nodiscard]] cv::Point2d cell_of(const cv::Point2d& texel) const {
     return seed_cell + frame.to_surface(texel - seed);
@@ -53,6 +53,7 @@ class RegionFinder {
  private:
   void flood(BlockRegion& region);
   void find_nearest(BlockRegion& region) const;
+  void find_rim(BlockRegion& region) const;
 
   const SurfaceLayout& layout_;
   std::vector<std::uint32_t> marks_;  // the last part that a texel was in

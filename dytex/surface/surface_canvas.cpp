@@ -131,21 +131,17 @@ BlockQuery SurfaceCanvas::query_of(const BlockRegion& region, const std::vector<
   return query;
 }
 
-// Cells at the block's border beside which earlier blocks go on keep what they show.
-CellState SurfaceCanvas::state(const BlockRegion& region, std::int32_t cell) const {
-  const std::int32_t texel = region.nearest[static_cast<std::size_t>(cell)];
-  if (texel < 0) return CellState::outside;
-  if (!is_filled(texel)) return CellState::empty;
-  for (const cv::Point step : {cv::Point(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
-    const cv::Point next = region.cell(cell) + step;
-    if (region.cell_index(next) >= 0) continue;
-    const cv::Point beside =
-        nearest_texel(region.texel_of({static_cast<double>(next.x), static_cast<double>(next.y)}));
-    if (layout_.chart_at(beside) == region.chart &&
-        is_filled(static_cast<std::int32_t>(layout_.index(beside))))
-      return CellState::held;
+// Cells beside which earlier blocks go on keep what they show.
+std::vector<CellState> SurfaceCanvas::states(const BlockRegion& region) const {
+  std::vector<CellState> states(region.nearest.size(), CellState::outside);
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (region.nearest[i] >= 0)
+      states[i] = is_filled(region.nearest[i]) ? CellState::there : CellState::empty;
+  for (const auto& [texel, cell] : region.rim) {
+    CellState& state = states[static_cast<std::size_t>(cell)];
+    if (state == CellState::there && is_filled(texel)) state = CellState::held;
   }
-  return CellState::there;
+  return states;
 }
 
 BlockQuery SurfaceCanvas::query(const SurfacePlace& place) const {
@@ -160,15 +156,12 @@ BlockQuery SurfaceCanvas::query(const SurfacePlace& place) const {
 
 void SurfaceCanvas::put(const SurfacePlace& place, const SourcePixel& at) {
   const auto& region = place.region;
-  std::vector<CellState> states;
-  for (std::size_t i = 0; i < region.nearest.size(); ++i)
-    states.push_back(state(region, static_cast<std::int32_t>(i)));
   const auto met = meet(region);
   auto all = query_of(region, met);
   const cv::Mat picture =
       Overlap(courses_, std::move(all.runs), std::move(all.there)).picture(at, region.block);
   const std::span errors(picture.ptr<double>(), picture.total());
-  const auto own = cut_cells(region.block, states, errors,
+  const auto own = cut_cells(region.block, states(region), errors,
                              place.at_border ? border_costs(region, met, errors) : std::vector<BorderCost>{});
   const auto number = static_cast<std::int32_t>(placed_.size());
   std::set<std::int32_t> touching;

@@ -82,7 +82,7 @@ class SurfaceCanvas {
   [[nodiscard]] std::optional<BlockRegion> region_at(const Joint& joint);
   [[nodiscard]] std::optional<SurfacePlace> next_joint();
   [[nodiscard]] std::int64_t empty_texels(const BlockRegion& region) const;
-  [[nodiscard]] CellState state(const BlockRegion& region, std::int32_t cell) const;
+  [[nodiscard]] std::vector<CellState> states(const BlockRegion& region) const;
 
   const SurfaceLayout& layout_;
   std::span<const QuiltSource> sources_;

@@ -84,6 +84,18 @@ TEST_CASE("blocks have the same size on the surface however it is stretched") {
   CHECK(quilt.choices.size() <= 30);  // 25 where cells and texels end together
 }
 
+TEST_CASE("blocks on a ball are joined as well as in the plane") {
+  const auto source = held(made_lapse({120, 100}, 4));
+  const auto layout = dytex::lay_out_surface(mesh_of(ball_obj(48, 24)), {256, 128});
+  const auto plane = quilted(source, options_of(layout));
+  const std::vector<const dytex::Trajectories*> sources{&source};
+  const double ratio = dytex::measure_quilt(plane.map, {}, sources).seam_ratio();
+  const auto measures = measured(layout, laid(layout, source), source);
+  INFO(measures.seam_ratio() << " " << measures.border_ratio() << " " << ratio);
+  CHECK(measures.seam_ratio() < 1.25 * ratio);
+  CHECK(measures.border_ratio() < 1.3 * ratio);
+}
+
 TEST_CASE("blocks fit what lies beyond glued edges") {
   const auto source = held(made_lapse({120, 100}, 4));
   for (const auto& [text, size] :
