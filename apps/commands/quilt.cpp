@@ -31,8 +31,6 @@ void add_options(CLI::App& command, Asked& asked) {
       .add_option("--mask", request.masks, "Do not copy the white pixels of this image; one for each clip")
       ->type_name("IMAGE");
   command.add_option("--guide", request.guide, "Follow the brightness of this image")->type_name("IMAGE");
-  command.add_option("--surface", request.surface, "Make the texture of this mesh (OBJ); default size: 1024")
-      ->type_name("MESH");
   command.add_option("--apply", request.apply, "Render this map, the layout of another quilt")
       ->type_name("MAP.npy");
   command
@@ -75,6 +73,8 @@ void add_quilt_settings(Settings& settings, QuiltRequest& request) {
       "0 to 1000000");
   settings.add_word("quilt", "seams", request.seams, {"still", "moving"}, "",
                     "Join blocks along the same path in every frame, or let seams move in space and time");
+  settings.add_word("quilt", "surface", request.surface, {}, "MESH.obj",
+                    "Make the texture of this mesh, 1024x1024 unless --size is given");
   settings.add_word("quilt", "map", request.map, {}, "FILE.npy",
                     "Write the map to this file; default: map.npy");
   settings.add_word("quilt", "format", request.format, {"mp4", "avi", "png"}, "",
@@ -116,9 +116,8 @@ void run_asked(Asked asked, Session& session) {
 void add_quilt(CLI::App& app, CommandLine& line) {
   auto* command =
       add_command(app, "quilt", "Extend a time-lapse in space, and vary the speed of time over it", R"(
-  emberfold quilt builtin:rust -o out/rust
   emberfold quilt stone.png -o tile.png --size 1024 --tileable
-  emberfold quilt builtin:rust --surface pot.obj -o out/pot
+  emberfold quilt builtin:rust -o out/pot --set quilt.surface=pot.obj
   emberfold quilt normals.avi --apply out/pot/map.npy -o out/normals)");
   const auto asked = std::make_shared<Asked>();
   add_reading(*command, asked->reading, false);

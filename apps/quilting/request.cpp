@@ -71,7 +71,8 @@ namespace {
 
 void check_surface_request(const QuiltRequest& request) {
   if (request.surface.empty()) {
-    if (request.pixel != 0) throw Misuse("quilt.pixel is a size on a surface; --surface MESH.obj gives one");
+    if (request.pixel != 0)
+      throw Misuse("quilt.pixel is a size on a surface; quilt.surface=MESH.obj gives one");
     return;
   }
   if (!(request.pixel >= 0 && request.pixel <= 1e12))
@@ -79,7 +80,7 @@ void check_surface_request(const QuiltRequest& request) {
                  "; allowed is a size above 0, or 0 for that of a texel");
   if (!request.apply.empty() || request.quilt.tileable || !request.guide.empty() || request.seams != "still")
     throw Misuse(
-        "--surface seeks a map of its own, with seams that stand still: --apply, --tileable, --guide and "
+        "quilt.surface seeks a map of its own, with seams that stand still: --apply, --tileable, --guide and "
         "quilt.seams=moving have nothing to do there");
 }
 
