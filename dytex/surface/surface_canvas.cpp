@@ -2,8 +2,10 @@
 #include "dytex/surface/surface_canvas.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "dytex/surface/edge_crossing.hpp"
 

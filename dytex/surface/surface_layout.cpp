@@ -96,7 +96,7 @@ void cover_row(const TexelTriangle& at, int y, int width, const Take& take) {
 }
 
 void cover_texels(SurfaceLayout& layout, std::int32_t triangle, const TexelTriangle& at) {
-  const auto [top, bottom] = std::minmax({at[0].y, at[1].y, at[2].y});
+  const double top = std::min({at[0].y, at[1].y, at[2].y}), bottom = std::max({at[0].y, at[1].y, at[2].y});
   const int first = std::max(0, static_cast<int>(std::ceil(top - kOnEdge)));
   const int last = std::min(layout.size.height - 1, static_cast<int>(std::floor(bottom + kOnEdge)));
   for (int y = first; y <= last; ++y)
