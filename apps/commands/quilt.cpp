@@ -67,10 +67,14 @@ void add_quilt_settings(Settings& settings, QuiltRequest& request) {
   add("exact", quilt.exact, "", "Compare every place over all of time: slow, chooses the same", "");
   add("flatten", request.flatten, "PX", "Remove gradients wider than this from the clips; 0: none",
       "0, 1 to 4096");
+  add("pixel", request.pixel, "LENGTH",
+      "Size of the clip's pixel on the surface, in the mesh's unit; 0: that of a texel", "0 to 1e12");
   add("memory", request.memory, "MB", "Keep so much of the clips in memory, the rest in a file beside OUT",
       "0 to 1000000");
   settings.add_word("quilt", "seams", request.seams, {"still", "moving"}, "",
                     "Join blocks along the same path in every frame, or let seams move in space and time");
+  settings.add_word("quilt", "surface", request.surface, {}, "MESH.obj",
+                    "Make the texture of this mesh, 1024x1024 unless --size is given");
   settings.add_word("quilt", "map", request.map, {}, "FILE.npy",
                     "Write the map to this file; default: map.npy");
   settings.add_word("quilt", "format", request.format, {"mp4", "avi", "png"}, "",
@@ -112,9 +116,9 @@ void run_asked(Asked asked, Session& session) {
 void add_quilt(CLI::App& app, CommandLine& line) {
   auto* command =
       add_command(app, "quilt", "Extend a time-lapse in space, and vary the speed of time over it", R"(
-  emberfold quilt builtin:rust -o out/rust
   emberfold quilt stone.png -o tile.png --size 1024 --tileable
-  emberfold quilt normals.avi --apply out/rust/map.npy -o out/normals)");
+  emberfold quilt builtin:rust -o out/pot --set quilt.surface=pot.obj
+  emberfold quilt normals.avi --apply out/pot/map.npy -o out/normals)");
   const auto asked = std::make_shared<Asked>();
   add_reading(*command, asked->reading, false);
   add_options(*command, *asked);

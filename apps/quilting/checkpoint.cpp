@@ -34,10 +34,11 @@ std::uint64_t fingerprint(const dytex::Trajectories& source) {
 }  // namespace
 
 QuiltCheckpoint::QuiltCheckpoint(fs::path file, const QuiltRequest& request,
-                                 std::span<const dytex::Trajectories* const> held)
+                                 std::span<const dytex::Trajectories* const> held, const std::string& surface)
     : file_(std::move(file)) {
   Json belongs = request_json(request)["quilt"];
   belongs["seed"] = request.quilt.seed;
+  if (!surface.empty()) belongs["fingerprint"] = surface;
   for (const auto* one : held)
     belongs["sources"].push_back(
         {one->info().width, one->info().height, one->frames(), std::to_string(fingerprint(*one))});

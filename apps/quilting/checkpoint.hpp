@@ -16,9 +16,9 @@ namespace emberfold::apps {
 /// ("emberfold.quilt_part"). The file is written every few seconds and when the run is stopped.
 class QuiltCheckpoint {
  public:
-  /// Ties a file to a request and to the loaded clips.
+  /// Ties a file to a request, to the loaded clips, and to the surface with this fingerprint, if any.
   QuiltCheckpoint(std::filesystem::path file, const QuiltRequest& request,
-                  std::span<const dytex::Trajectories* const> held);
+                  std::span<const dytex::Trajectories* const> held, const std::string& surface);
 
   /// Reads the blocks of an earlier run; none where there is no file. Throws core::IoError where it is
   /// damaged, core::InputError where it belongs to other options or another clip.

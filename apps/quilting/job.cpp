@@ -15,14 +15,13 @@
 #include "apps/cli/summary.hpp"
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/quilt_picture.hpp"
-#include "apps/quilting/checkpoint.hpp"
+#include "apps/quilting/found_map.hpp"
 #include "apps/quilting/output.hpp"
+#include "apps/quilting/surface.hpp"
 #include "apps/report/quilt_report.hpp"
-#include "core/io/files.hpp"
 #include "core/io/require_apart.hpp"
 #include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
-#include "dytex/quilting/quilt_measures.hpp"
 
 namespace emberfold::apps {
 
@@ -30,51 +29,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-struct FoundMap {
-  dytex::QuiltMap map;
-  std::optional<dytex::QuiltResult> result;  ///< where it was sought
-};
-
-FoundMap seek_map(const QuiltClips& clips, const QuiltRequest& request, const QuiltTarget& target,
-                  Session& session) {
-  cv::Mat guide;
-  const auto sources = quilt_sources(clips, request, guide);
-  const auto held = clips.loaded();
-  QuiltCheckpoint checkpoint(target.checkpoint, request, held);
-  const auto placed = request.resume ? checkpoint.read() : std::vector<dytex::QuiltChoice>{};
-  if (!placed.empty())
-    session.console.say(std::to_string(placed.size()) +
-                        " blocks were placed before: " + checkpoint.file().string());
-  dytex::QuiltRun run;
-  run.guide = guide;
-  run.placed = placed;
-  std::vector<dytex::QuiltChoice> done = placed;
-  run.keep = [&](std::span<const dytex::QuiltChoice> so_far) {
-    done.assign(so_far.begin(), so_far.end());
-    checkpoint.write(so_far);
-  };
-  try {
-    auto result = dytex::quilt(sources, request.quilt, session.context, run);
-    checkpoint.write(result.choices, true);
-    return {result.map, std::move(result)};
-  } catch (const core::Cancelled&) {
-    checkpoint.write(done, true);
-    throw core::Cancelled(std::to_string(done.size()) + " blocks are kept in " + checkpoint.file().string() +
-                          "; --resume goes on");
-  }
-}
-
-dytex::QuiltMap read_map(const std::string& name, const std::vector<cv::Size>& sizes) {
-  auto stream = io::open_file(name);
-  try {
-    return dytex::quilt_map(core::read_npy(stream), sizes);
-  } catch (const core::IoError& error) {
-    throw core::IoError(name + ": " + error.what());
-  } catch (const core::InputError& error) {
-    throw core::InputError(name + ": " + error.what());
-  }
-}
 
 // Returns whether one frame of the clip suffices: for a single frame of a map without control of time.
 bool reads_one_frame(const QuiltRequest& request) {
@@ -100,40 +54,6 @@ FramePlan plan_of(const QuiltRequest& request, const QuiltClips& clips) {
   return {0, clips.info().frames.value_or(0), true};
 }
 
-Json found_map_json(const FoundMap& found, const QuiltClips& clips) {
-  Json out = Json::object();
-  std::span<const dytex::QuiltChoice> choices;
-  if (found.result) {
-    choices = found.result->choices;
-    double compared = 0, equals = 0;
-    for (const auto& choice : choices)
-      compared += static_cast<double>(choice.compared), equals += static_cast<double>(choice.equals);
-    const auto mean = [&](double sum) {
-      return std::round(10 * sum / static_cast<double>(choices.size())) / 10;
-    };
-    out = {{"blocks", choices.size()},        {"columns", found.result->columns},
-           {"rows", found.result->rows},      {"components", found.result->components},
-           {"compared_mean", mean(compared)}, {"equals_mean", mean(equals)}};
-  }
-  if (!clips.is_loaded()) return out;
-  const auto held = clips.loaded();
-  const auto measures = dytex::measure_quilt(found.map, choices, held);
-  if (found.result) out["verbatim_blocks"] = measures.verbatim_blocks;
-  out["largest_piece"] = measures.largest_piece;
-  out["source_share"] = measures.source_share;
-  out["seam_share"] = measures.seam_share;
-  out["seam_step"] = measures.seam_step;
-  out["other_step"] = measures.other_step;
-  out["seam_ratio"] = measures.seam_ratio();
-  if (!found.map.is_still()) {
-    out["change_share"] = measures.change_share;
-    out["change_step"] = measures.change_step;
-    out["course_step"] = measures.course_step;
-    out["change_ratio"] = measures.change_ratio();
-  }
-  return out;
-}
-
 // Says in words that a quilt does not pass for its source.
 void warn_of_seams(const QuiltRequest& request, const Json& quilt, Session& session) {
   constexpr double kSeen = 2.5;
@@ -155,6 +75,7 @@ Json summarise(const QuiltRequest& request, const QuiltTarget& target, const Fou
   summary["options"] = request_json(request);
   summary["options"]["reading"] = reading_json(request.read);
   summary["quilt"] = found_map_json(found, clips);
+  if (found.surface) summary["surface"] = surface_json(request.surface, found.surface->layout);
   warn_of_seams(request, summary["quilt"], session);
   summary["output"] = {{"name", target.path().string()},
                        {"width", found.map.size.width},
@@ -172,7 +93,7 @@ void write_pictures(io::OutputFolder& output, const QuiltRequest& request, const
   const auto& middle = drawn[drawn.size() / 2];
   const auto shown = dytex::still_at(found.map, std::min(middle.frame, source.frames() - 1));
   pictures.map = draw_quilt_map(shown, sizes);
-  pictures.seams = draw_seams(middle.picture, shown);
+  pictures.seams = draw_seams(middle.picture, found.surface ? block_map(*found.surface) : shown);
   for (const auto& [frame, picture] : drawn)
     pictures.pairs.push_back(
         {frame, to_colour_bytes(frame_of(source, std::min(frame, source.frames() - 1)), clips.info()),
@@ -196,7 +117,8 @@ bool can_stream(const QuiltRequest& request, const QuiltTarget& target, const Qu
 std::vector<std::string> input_names(const QuiltRequest& request) {
   std::vector<std::string> names = request.clips;
   names.insert(names.end(), request.masks.begin(), request.masks.end());
-  for (const auto& name : {request.guide, request.apply, request.control.rate, request.control.offset}) {
+  for (const auto& name :
+       {request.guide, request.surface, request.apply, request.control.rate, request.control.offset}) {
     names.push_back(name);
     if (const auto colon = name.find(':'); colon != std::string::npos)
       names.push_back(name.substr(colon + 1));  // depth:IMAGE, distance:MASK
@@ -255,6 +177,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
   complete_request(request, clips.sizes().front());
   FoundMap found;
   if (!request.apply.empty()) found.map = read_map(request.apply, clips.sizes());
+  if (!request.surface.empty()) found.surface.emplace(read_surface(request, session));
   const cv::Size size = request.apply.empty() ? request.quilt.size : found.map.size;
   const auto control = make_control(request.control, size, request.quilt.block, request.quilt.seed);
   // What may be replaced was checked: an applied map lies beside the clip as it was.
@@ -265,7 +188,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
   name_clip(target, request, clips.info(), plan.count);
   if (request.apply.empty()) {
     stages.begin("quilt");
-    found = seek_map(clips, request, target, session);
+    seek_map(found, clips, request, target.checkpoint, session);
   }
   stages.begin("render");
   write_quilt_map(output, request, target, found.map, control);

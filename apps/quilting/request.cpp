@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/command.hpp"
+#include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
 
 namespace emberfold::apps {
@@ -47,7 +48,9 @@ cv::Size parse_size(const std::string& option, const std::string& text) {
 
 void complete_request(QuiltRequest& request, cv::Size source) {
   auto& quilt = request.quilt;
-  if (!request.own_size) quilt.size = {2 * source.width, 2 * source.height};
+  if (!request.own_size)
+    quilt.size =
+        request.surface.empty() ? cv::Size(2 * source.width, 2 * source.height) : cv::Size(1024, 1024);
   if (!request.own_block) {
     const int side = std::clamp(std::min(source.width, source.height) / 2, 2, 64);
     quilt.block = {side, side};
@@ -64,6 +67,25 @@ void complete_request(QuiltRequest& request, cv::Size source) {
                  " has only " + core::size_text(source) + " pixels");
 }
 
+namespace {
+
+void check_surface_request(const QuiltRequest& request) {
+  if (request.surface.empty()) {
+    if (request.pixel != 0)
+      throw Misuse("quilt.pixel is a size on a surface; quilt.surface=MESH.obj gives one");
+    return;
+  }
+  if (!(request.pixel >= 0 && request.pixel <= 1e12))
+    throw Misuse("quilt.pixel is " + core::number_text(request.pixel) +
+                 "; allowed is a size above 0, or 0 for that of a texel");
+  if (!request.apply.empty() || request.quilt.tileable || !request.guide.empty() || request.seams != "still")
+    throw Misuse(
+        "quilt.surface seeks a map of its own, with seams that stand still: --apply, --tileable, --guide and "
+        "quilt.seams=moving have nothing to do there");
+}
+
+}  // namespace
+
 void check_request(const QuiltRequest& request) {
   const auto refuse = [](const std::string& option, const std::string& value, const std::string& allowed) {
     throw Misuse(option + " is " + value + "; allowed is " + allowed);
@@ -79,6 +101,7 @@ void check_request(const QuiltRequest& request) {
     refuse("--frame", std::to_string(*request.frame), "0 to 1000000");
   if (request.memory < 0 || request.memory > 1'000'000)
     refuse("quilt.memory", std::to_string(request.memory), "0 to 1000000 MB");
+  check_surface_request(request);
   if (!request.apply.empty() &&
       (request.own_size || request.resume || !request.guide.empty() || !request.masks.empty()))
     throw Misuse(
@@ -120,6 +143,10 @@ Json request_json(const QuiltRequest& request) {
                     {"exact", quilt.exact}};
   else
     out["apply"] = request.apply;
+  if (!request.surface.empty()) {
+    out["quilt"]["surface"] = request.surface;
+    out["quilt"]["pixel"] = request.pixel;
+  }
   out["flatten"] = request.flatten;
   out["control"] = {{"rate", control.rate},       {"rates", {control.slow, control.fast}},
                     {"offset", control.offset},   {"offsets", {control.early, control.late}},

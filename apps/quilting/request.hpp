@@ -27,6 +27,8 @@ struct QuiltRequest {
   bool own_size = false, own_block = false, own_overlap = false, own_apart = false;
   std::vector<std::string> masks;  ///< one for each clip, or for the first ones
   std::string guide;
+  std::string surface;          ///< a mesh (OBJ) whose texture the output becomes; empty: a plane
+  double pixel = 0;             ///< size of the clip's pixel on the surface, in the mesh's unit; 0: a texel's
   std::string seams = "still";  ///< or moving
   double flatten = 0;           ///< px, 0: not
 
@@ -40,8 +42,8 @@ struct QuiltRequest {
 /// Parses "1024x768", or "512" for a square. Throws Misuse naming `option` for another text.
 cv::Size parse_size(const std::string& option, const std::string& text);
 
-/// Sets what was not given from the source's size: size (twice the source), block (at most half of its
-/// shorter side), overlap and apart (a quarter and half of the block).
+/// Sets what was not given from the source's size: size (twice the source, 1024x1024 of a surface), block (at
+/// most half of its shorter side), overlap and apart (a quarter and half of the block).
 void complete_request(QuiltRequest& request, cv::Size source);
 
 /// Checks all that can be checked before a clip is opened. Throws Misuse.

@@ -55,12 +55,17 @@ std::string tiles_html(const Json& quilt) {
   const auto percent = [&](const char* field) {
     return core::fixed_text(100 * quilt.value(field, 0.0), 1) + " %";
   };
-  if (quilt.contains("blocks"))
+  if (quilt.contains("columns"))
     out += tile_html("Blocks", std::to_string(quilt["blocks"].get<long>()),
                      std::to_string(quilt["columns"].get<int>()) + " across, " +
                          std::to_string(quilt["rows"].get<int>()) + " down") +
-           tile_html("Verbatim blocks", percent("verbatim_blocks"), "only go on where a neighbour ends") +
-           tile_html("Compared exactly", core::fixed_text(quilt.value("compared_mean", 0.0), 0),
+           tile_html("Verbatim blocks", percent("verbatim_blocks"), "only go on where a neighbour ends");
+  else if (quilt.contains("blocks"))
+    out += tile_html("Blocks", std::to_string(quilt["blocks"].get<long>()), "over the surface") +
+           tile_html("Border gradient ratio", core::fixed_text(quilt.value("border_ratio", 0.0), 3),
+                     "steps from chart to chart of the surface over steps elsewhere");
+  if (quilt.contains("blocks"))
+    out += tile_html("Compared exactly", core::fixed_text(quilt.value("compared_mean", 0.0), 0),
                      "places a block, on average; " + core::fixed_text(quilt.value("equals_mean", 0.0), 0) +
                          " of them equally good");
   out += tile_html("Seam gradient ratio", core::fixed_text(quilt.value("seam_ratio", 0.0), 3),
@@ -69,7 +74,9 @@ std::string tiles_html(const Json& quilt) {
               ? tile_html("Flicker ratio", core::fixed_text(quilt.value("change_ratio", 0.0), 3),
                           "steps in time where seams pass over steps elsewhere")
               : std::string()) +
-         tile_html("Largest piece", percent("largest_piece"), "of the output, copied as it is") +
+         (quilt.contains("largest_piece")
+              ? tile_html("Largest piece", percent("largest_piece"), "of the output, copied as it is")
+              : std::string()) +
          tile_html("Source shown", percent("source_share"), "of its pixels");
   return out + "</dl>\n";
 }

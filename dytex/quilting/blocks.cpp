@@ -26,14 +26,17 @@ int count_pixels(const std::vector<Run>& runs) {
   return count;
 }
 
-std::vector<cv::Rect> overlap_boxes(const QuiltBlock& block) {
-  const int width = block.place.width, height = block.place.height,
-            middle = height - block.top - block.bottom;
-  std::vector<cv::Rect> boxes{{0, 0, width, block.top},
-                              {0, height - block.bottom, width, block.bottom},
-                              {0, block.top, block.left, middle},
-                              {width - block.right, block.top, block.right, middle}};
-  std::erase_if(boxes, [](const cv::Rect& box) { return box.empty(); });
+std::vector<cv::Rect> run_boxes(const std::vector<Run>& runs) {
+  std::vector<cv::Rect> boxes;
+  for (const Run& run : runs) {
+    const auto above = std::find_if(boxes.rbegin(), boxes.rend(), [&](const cv::Rect& box) {
+      return box.x == run.x && box.width == run.length && box.y + box.height == run.y;
+    });
+    if (above != boxes.rend())
+      ++above->height;
+    else
+      boxes.emplace_back(run.x, run.y, run.length, 1);
+  }
   return boxes;
 }
 

@@ -22,8 +22,8 @@ struct Run {
 /// Lists the runs of a block row by row, from left to right.
 std::vector<Run> overlap_runs(const QuiltBlock& block);
 int count_pixels(const std::vector<Run>& runs);
-/// Returns the overlap as rectangles that share no pixels.
-std::vector<cv::Rect> overlap_boxes(const QuiltBlock& block);
+/// Returns runs, given row by row, as rectangles that share no pixels.
+std::vector<cv::Rect> run_boxes(const std::vector<Run>& runs);
 
 struct BlockPlan {
   cv::Size canvas;     ///< at least the output's size; the excess is cut off at the end

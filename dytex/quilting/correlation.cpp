@@ -176,14 +176,16 @@ double Correlator::margin(const std::vector<cv::Mat>& query) const {
 
 cv::Mat box_sums(const cv::Mat& integral, const std::vector<cv::Rect>& boxes, cv::Size block) {
   cv::Mat sums = cv::Mat::zeros(integral.rows - block.height, integral.cols - block.width, CV_64F);
-  for (const cv::Rect& box : boxes)
-    for (int y = 0; y < sums.rows; ++y) {
+  core::parallel_for(static_cast<std::size_t>(sums.rows), {}, [&](std::size_t row) {
+    const auto y = static_cast<int>(row);
+    auto* sum = sums.ptr<double>(y);
+    for (const cv::Rect& box : boxes) {
       const auto* above = integral.ptr<double>(y + box.y) + box.x;
       const auto* below = integral.ptr<double>(y + box.y + box.height) + box.x;
-      auto* sum = sums.ptr<double>(y);
       for (int x = 0; x < sums.cols; ++x)
         sum[x] += below[x + box.width] - below[x] - above[x + box.width] + above[x];
     }
+  });
   return sums;
 }
 

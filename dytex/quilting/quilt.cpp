@@ -14,6 +14,7 @@
 #include "core/text/size_text.hpp"
 #include "dytex/quilting/blocks.hpp"
 #include "dytex/quilting/overlap.hpp"
+#include "dytex/quilting/quilt_checks.hpp"
 #include "dytex/quilting/seam.hpp"
 #include "dytex/quilting/seam_surface.hpp"
 #include "dytex/quilting/search.hpp"
@@ -50,50 +51,6 @@ namespace {
 using detail::BlockQuery;
 using detail::QuiltBlock;
 
-void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& options, const QuiltRun& run) {
-  if (sources.empty()) throw core::InputError("quilting needs a source");
-  const Trajectories& first = *sources.front().trajectories;
-  if (!run.guide.empty() && (run.guide.size() != options.size || run.guide.type() != CV_32F))
-    throw core::InputError("the guide is " + core::size_text(run.guide.size()) + " pixels, the output " +
-                           core::size_text(options.size));
-  bool fits = false;
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    const Trajectories& one = *sources[i].trajectories;
-    const std::string name = "source " + std::to_string(i);
-    if (one.frames() != first.frames())
-      throw core::InputError(name + " has " + std::to_string(one.frames()) + " frames, source 0 has " +
-                             std::to_string(first.frames()));
-    if (one.info().channels != first.info().channels || one.info().depth != first.info().depth)
-      throw core::InputError(name + " has other channels or another depth than source 0");
-    if (one.chunk_frames() != first.chunk_frames())
-      throw core::InputError(name + " is kept in other chunks than source 0");
-    for (const auto* picture : {&sources[i].forbidden, &sources[i].guide})
-      if (!picture->empty() && picture->size() != one.size())
-        throw core::InputError(name + " has " + core::size_text(one.size()) + " pixels, its " +
-                               (picture == &sources[i].guide ? "guide " : "mask ") +
-                               core::size_text(picture->size()));
-    if (!run.guide.empty() && sources[i].guide.type() != CV_32F)
-      throw core::InputError(name + " has nothing that the guide could be held against");
-    fits = fits || (one.size().width >= options.block.width && one.size().height >= options.block.height);
-  }
-  if (!fits)
-    throw core::InputError("QuiltOptions.block is " + core::size_text(options.block) +
-                           "; the source has only " + core::size_text(first.size()) + " pixels");
-}
-
-void check_masks(std::span<const QuiltSource> sources, const QuiltOptions& options) {
-  for (const auto& source : sources) {
-    const cv::Size size = source.trajectories->size();
-    if (size.width < options.block.width || size.height < options.block.height) continue;
-    if (source.forbidden.empty()) return;
-    cv::Mat sums;
-    cv::integral(source.forbidden != 0, sums, CV_64F);
-    if (cv::countNonZero(detail::box_sums(sums, {{{}, options.block}}, options.block) < 0.5) > 0) return;
-  }
-  throw core::InputError("the mask leaves no place for a block of " + core::size_text(options.block) +
-                         " pixels");
-}
-
 /// The output while it grows.
 class Canvas {
  public:
@@ -111,8 +68,8 @@ class Canvas {
   [[nodiscard]] SourcePixel& at(int x, int y) { return pixels_[index(x, y)]; }
 
   [[nodiscard]] BlockQuery query(const QuiltBlock& block, const cv::Mat& guide) {
-    BlockQuery query{block, {}, {}, places_near(block)};
-    for (const auto& run : detail::overlap_runs(block))
+    BlockQuery query{block, detail::overlap_runs(block), {}, {}, places_near(block)};
+    for (const auto& run : query.runs)
       for (int x = run.x; x < run.x + run.length; ++x)
         query.there.push_back(at(block.place.x + x, block.place.y + run.y));
     if (guide.empty()) return query;
@@ -196,26 +153,12 @@ cv::Mat cut_block(const detail::BlockSearch& search, const BlockQuery& query, co
   return detail::block_mask(search.overlap(query).picture(at, size), query.block);
 }
 
-// A block that an earlier run placed; it has to be one that this run could place.
-QuiltChoice replayed(const QuiltChoice& placed, const QuiltBlock& block,
-                     std::span<const QuiltSource> sources) {
-  const auto& at = placed.at;
-  const bool known = at.source >= 0 && static_cast<std::size_t>(at.source) < sources.size();
-  const cv::Size size =
-      known ? sources[static_cast<std::size_t>(at.source)].trajectories->size() : cv::Size();
-  if (placed.column != block.column || placed.row != block.row || at.x < 0 || at.y < 0 ||
-      at.x + block.place.width > size.width || at.y + block.place.height > size.height)
-    throw core::InputError("the blocks placed earlier do not belong to this quilt");
-  return placed;
-}
-
 }  // namespace
 
 QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& options,
                   const core::Context& context, const QuiltRun& run) {
   options.validate();
-  check_sources(sources, options, run);
-  check_masks(sources, options);
+  detail::check_sources(sources, options, run);
   const auto plan = detail::plan_blocks(options.size, options.block, options.overlap, options.tileable);
   cv::Size least = options.block, most(1, 1);
   std::size_t blocks = 0;
@@ -237,7 +180,7 @@ QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& opti
     const std::size_t done = result.choices.size();
     core::parallel_for(wave.size(), context, [&](std::size_t i) {
       const auto query = canvas.query(wave[i], run.guide);
-      chosen[i] = done + i < run.placed.size() ? replayed(run.placed[done + i], wave[i], sources)
+      chosen[i] = done + i < run.placed.size() ? detail::replayed(run.placed[done + i], wave[i], sources)
                                                : search.choose(query);
       chosen[i].continues = canvas.goes_on(wave[i], chosen[i].at);
       masks[i] = cut_block(search, query, chosen[i].at);

@@ -39,25 +39,6 @@ std::size_t largest_piece(const QuiltMap& map) {
   return count.empty() ? 0 : *std::max_element(count.begin(), count.end());
 }
 
-double source_share(const QuiltMap& map, std::span<const Trajectories* const> sources) {
-  std::vector<std::vector<bool>> used;
-  std::size_t all = 0, shown = 0;
-  for (const auto* source : sources) {
-    used.emplace_back(source->pixels(), false);
-    all += source->pixels();
-  }
-  const auto show = [&](const SourcePixel& p) {
-    const auto s = static_cast<std::size_t>(p.source);
-    const auto at = static_cast<std::size_t>(p.y) * static_cast<std::size_t>(sources[s]->info().width) +
-                    static_cast<std::size_t>(p.x);
-    if (!used[s][at]) ++shown;
-    used[s][at] = true;
-  };
-  for (const auto& p : map.pixels) show(p);
-  for (const auto& change : map.changes) show(change.from);
-  return static_cast<double>(shown) / static_cast<double>(all);
-}
-
 struct Steps {
   double seam = 0, other = 0;
   std::int64_t seams = 0, others = 0;
@@ -117,6 +98,25 @@ double ratio(double share, double seam, double other) {
 
 }  // namespace
 
+double shown_share(const QuiltMap& map, std::span<const Trajectories* const> sources) {
+  std::vector<std::vector<bool>> used;
+  std::size_t all = 0, shown = 0;
+  for (const auto* source : sources) {
+    used.emplace_back(source->pixels(), false);
+    all += source->pixels();
+  }
+  const auto show = [&](const SourcePixel& p) {
+    const auto s = static_cast<std::size_t>(p.source);
+    const auto at = static_cast<std::size_t>(p.y) * static_cast<std::size_t>(sources[s]->info().width) +
+                    static_cast<std::size_t>(p.x);
+    if (!used[s][at]) ++shown;
+    used[s][at] = true;
+  };
+  for (const auto& p : map.pixels) show(p);
+  for (const auto& change : map.changes) show(change.from);
+  return static_cast<double>(shown) / static_cast<double>(all);
+}
+
 double QuiltMeasures::seam_ratio() const {
   return ratio(seam_share, seam_step, other_step);
 }
@@ -139,7 +139,7 @@ QuiltMeasures measure_quilt(const QuiltMap& map, std::span<const QuiltChoice> ch
   const int length = sources.front()->frames(), looked = std::min(length, frames);
   measures.largest_piece =
       static_cast<double>(largest_piece(still_at(map, length / 2))) / static_cast<double>(map.pixels.size());
-  measures.source_share = source_share(map, sources);
+  measures.source_share = shown_share(map, sources);
   std::vector<Steps> space(static_cast<std::size_t>(looked)), time(space.size());
   core::parallel_for(space.size(), {}, [&](std::size_t i) {
     const int t =

@@ -26,6 +26,9 @@ struct QuiltMeasures {
   [[nodiscard]] double change_ratio() const;
 };
 
+/// Returns the share of the source pixels that a map shows somewhere, at any time.
+double shown_share(const QuiltMap& map, std::span<const Trajectories* const> sources);
+
 /// Measures a quilt. Steps are taken over at most `frames` frames, spread evenly, and the frames after them;
 /// the largest piece is that of the middle frame. `choices` may be empty: no verbatim_blocks.
 QuiltMeasures measure_quilt(const QuiltMap& map, std::span<const QuiltChoice> choices,

@@ -50,7 +50,7 @@ BlockSearch::BlockSearch(std::span<const QuiltSource> sources, const QuiltOption
 }
 
 Overlap BlockSearch::overlap(const BlockQuery& query) const {
-  return {courses_, overlap_runs(query.block), query.there};
+  return {courses_, query.runs, query.there};
 }
 
 BlockSearch::Scale BlockSearch::scale_of(const BlockQuery& query) const {
@@ -83,7 +83,7 @@ std::vector<cv::Mat> BlockSearch::feature_query(const BlockQuery& query) const {
   for (const auto& prepared : prepared_) planes.resize(std::max(planes.size(), prepared.planes.size()));
   for (auto& plane : planes) plane = cv::Mat::zeros(query.block.place.size(), CV_32F);
   std::size_t i = 0;
-  for (const Run& run : overlap_runs(query.block))
+  for (const Run& run : query.runs)
     for (int x = run.x; x < run.x + run.length; ++x, ++i) {
       const SourcePixel& from = query.there[i];
       const auto& source = prepared_[static_cast<std::size_t>(from.source)].planes;
@@ -103,7 +103,7 @@ cv::Mat BlockSearch::lower_bounds(std::size_t source, const BlockQuery& query, c
     double margin = 0;
     if (!query.there.empty()) {
       const auto wanted = feature_query(query);
-      bounds = prepared.features->squared_differences(wanted, overlap_boxes(query.block));
+      bounds = prepared.features->squared_differences(wanted, run_boxes(query.runs));
       margin = prepared.features->margin(wanted);
     }
     if (scale.guide > 0) {

@@ -18,10 +18,11 @@ namespace emberfold::dytex::detail {
 
 /// The surroundings that a block has to fit.
 struct BlockQuery {
-  QuiltBlock block;
-  std::vector<SourcePixel> there;  ///< for each pixel of the overlap, by runs
-  cv::Mat guide;                   ///< CV_32F of the block's size, or empty
-  std::vector<SourcePixel> near;   ///< places of blocks nearby, not to be shown again
+  QuiltBlock block;                  ///< its column and row, and its size
+  std::vector<Run> runs{};           ///< the overlap, row by row
+  std::vector<SourcePixel> there{};  ///< for each pixel of the overlap, by runs
+  cv::Mat guide{};                   ///< CV_32F of the block's size, or empty
+  std::vector<SourcePixel> near{};   ///< places of blocks nearby, not to be shown again
 };
 
 class BlockSearch {

@@ -95,7 +95,7 @@ TEST_CASE("blocks cover the canvas and each lies on what its waves before have f
           overlap += at(block.place.x + x, block.place.y + y) > 0 ? 1 : 0;
       CHECK(overlap == count_pixels(overlap_runs(block)));
       int boxed = 0;
-      for (const auto& box : overlap_boxes(block)) boxed += box.area();
+      for (const auto& box : run_boxes(overlap_runs(block))) boxed += box.area();
       CHECK(boxed == overlap);
     }
     for (const auto& block : wave)

@@ -64,7 +64,7 @@ TEST_CASE("the transforms give every difference within their margin") {
     planes.push_back(plane);
   }
   const QuiltBlock place{1, 1, {0, 0, 16, 12}, 5, 4, 0, 0};
-  const auto boxes = overlap_boxes(place);
+  const auto boxes = run_boxes(overlap_runs(place));
   std::vector<cv::Mat> query;
   for (const auto& plane : planes) {
     cv::Mat part = cv::Mat::zeros(block, CV_32F);

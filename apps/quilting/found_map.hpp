@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "apps/quilting/inputs.hpp"
+#include "apps/quilting/surface.hpp"
+
+namespace emberfold::apps {
+
+/// The map of a quilt, and what is known of how it was found.
+struct FoundMap {
+  dytex::QuiltMap map;
+  std::optional<dytex::QuiltResult> result;  ///< where it was sought for a plane
+  std::optional<SurfaceFound> surface;       ///< where it is sought for a surface
+};
+
+/// Seeks the map of a plane, or of found.surface. Blocks placed are kept in `checkpoint`. Throws
+/// core::Cancelled.
+void seek_map(FoundMap& found, const QuiltClips& clips, const QuiltRequest& request,
+              const std::filesystem::path& checkpoint, Session& session);
+
+/// Reads a map whose places lie in clips of these sizes. Throws core::IoError or core::InputError with its
+/// name.
+dytex::QuiltMap read_map(const std::string& name, const std::vector<cv::Size>& sizes);
+
+/// Writes the figures of a map for summary.json; how visible seams are only for clips that are loaded.
+nlohmann::ordered_json found_map_json(const FoundMap& found, const QuiltClips& clips);
+
+}  // namespace emberfold::apps
