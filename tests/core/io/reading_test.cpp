@@ -90,6 +90,9 @@ TEST_CASE("numbers that are missing among images are told") {
   CHECK(contains(words({"a1.png", "a2.png", "a5.png", "a6.png"}), "between a2.png and a5.png"));
   CHECK(contains(words({"a1_x.png", "a2_x.png", "a4_x.png"}), "1 number is missing"));
   CHECK(contains(words({"a01.png", "a03.png", "a05.png", "a11.png"}), "2 numbers are missing"));
+  CHECK(
+      contains(words({"a1.png", "a2.png", "a5.png"}), "2 numbers are missing"));  // of 1 and 3 the usual is 1
+  CHECK(contains(words({"a1.png", "a4.png", "a7.png", "a9.png", "a16.png"}), "2 numbers are missing"));
   CHECK(words({"9999999999999999999999.png", "a2.png"}).empty());
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/curves/frame_arcs.hpp"
 
+#include <algorithm>
+
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
 
@@ -57,6 +59,38 @@ TEST_CASE("Two junctions side by side are one knot of four arms", "[graph][curve
   CHECK(arcs.knots[0].arms.size() == 4);
   CHECK(arcs.knots[0].vertices.size() == 2);
   CHECK(arcs.arcs.size() == 4);
+}
+
+TEST_CASE("Junctions up to 15 px apart are one knot of at most six arms", "[graph][curves]") {
+  // Junctions in a row, the arc between two of them has a patch in its middle; each has two arms of its own.
+  const auto row = [](int junctions, double apart) {
+    test::Frame frame;
+    std::uint32_t before = 0;
+    for (int k = 0; k < junctions; ++k) {
+      const graph::Point at{50 + apart * k, 100};
+      const auto middle = frame.line({at});
+      for (const double way : {-1.0, 1.0})
+        frame.edge(middle, frame.line({at + graph::Point{0, 6 * way}, at + graph::Point{0, 12 * way}}));
+      if (k > 0) {
+        const auto between = frame.line({at - graph::Point{apart / 2, 0}});
+        frame.edge(before, between);
+        frame.edge(between, middle);
+      }
+      before = middle;
+    }
+    std::vector<std::size_t> arms;
+    const auto graph = frame.graph();
+    for (const auto& knot : FrameArcs(graph).knots) arms.push_back(knot.arms.size());
+    std::sort(arms.begin(), arms.end());
+    return arms;
+  };
+  using Arms = std::vector<std::size_t>;
+  CHECK(row(2, 14) == Arms{4});
+  CHECK(row(2, 16) == Arms{3, 3});
+  CHECK(row(3, 14) == Arms{6});
+  const Arms four = row(4, 14);  // a fourth would make seven or eight arms of them
+  CHECK(four.size() > 1);
+  CHECK(four.back() <= 6);
 }
 
 TEST_CASE("A way ends at a tip, at its reach, or once round a ring", "[graph][curves]") {

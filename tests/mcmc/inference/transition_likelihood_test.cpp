@@ -126,6 +126,74 @@ TEST_CASE("neighbours that move alike do not pull, others do", "[likelihood]") {
   CHECK(densities(others, coupled)[3] != Approx(densities(others, free)[3]));
 }
 
+TEST_CASE("neighbours whose normals are opposite do not pull where they move alike in the frame",
+          "[likelihood]") {
+  const mcmc::Autoregression free{1.3, -0.5, 0, 0.4, 0, 0.2}, coupled{1.3, -0.5, 0.2, 0.4, 0, 0.2};
+  const auto values = random_values(4, 12);
+  auto opposite = values;
+  for (double& value : opposite) value = -value;
+  const std::vector<CurveTrack> two{track_of(0, 12), track_of(0, 12)};
+  mcmc::detail::TrackNeighbours beside;
+  beside.frames.assign(12, {{0, 1, -1}});
+  const auto densities = [&](const std::vector<double>& second, const mcmc::Autoregression& law, bool turns) {
+    return mcmc::detail::path_log_densities(two, beside, {{values, second}, {1, 1}, turns, 0.02}, law, 12);
+  };
+  const auto alike = densities(opposite, coupled, true), alone = densities(opposite, free, true);
+  for (std::size_t t = 0; t < alike.size(); ++t) CHECK_THAT(alike[t], test::WithinAbs(alone[t], 1e-12));
+  // What has no sense, as contrast has none, is alike where it is the same.
+  CHECK(densities(values, coupled, false) == densities(values, free, false));
+  CHECK(std::abs(densities(values, coupled, true)[3] - densities(values, free, true)[3]) > 1e-6);
+}
+
+TEST_CASE("what is followed is less its drift, and less what a young stroke shows of its contrast",
+          "[likelihood]") {
+  auto model = test::empty_model();
+  model.drift_x = test::map_over(320, 240, 16, 0.5), model.drift_y = test::map_over(320, 240, 16, 2);
+  model.displacement_scale = test::map_over(320, 240, 16, 1.5);
+  model.appearing = {0.25, 0.5, 0.75, 0.001, 1, 1, 1, 1};
+  std::vector<CurveTrack> tracks{track_of(0, 5), track_of(3, 5)};
+  for (auto& track : tracks)
+    for (std::size_t k = 0; k < 5; ++k) {
+      track.samples[k].normal = {0.6, 0.8};
+      track.samples[k].position = {50, 60};
+      track.samples[k].normal_displacement = 3.0 * static_cast<double>(k);
+      track.samples[k].contrast = 2;
+    }
+  const auto moved = mcmc::detail::followed_displacement(tracks, model);
+  const auto shone = mcmc::detail::followed_contrast(tracks, model);
+  CHECK(moved.turns_with_normal);
+  CHECK(!shone.turns_with_normal);
+  CHECK(moved.scales == std::vector<double>(2, 1.5));
+  for (std::size_t k = 0; k < 5; ++k) {
+    // 0.6 · 0.5 + 0.8 · 2 px a frame
+    CHECK_THAT(moved.values[0][k], test::WithinAbs((3 - 1.9) * static_cast<double>(k), 1e-12));
+    CHECK_THAT(shone.values[0][k], test::WithinAbs(2, 1e-12));
+    CHECK_THAT(shone.values[1][k], test::WithinAbs(2 - std::log(std::max(model.appearing[k], 0.01)), 1e-12));
+  }
+}
+
+TEST_CASE("a union is as likely as its gap's width, the time since a parting and the turn make it",
+          "[likelihood]") {
+  auto model = test::empty_model();
+  model.rates.merge = 0.02, model.rates.connect = 0.01;
+  model.rates.modifiers.bridging = {1, 2, 3, 5, 7, 11};
+  model.rates.modifiers.unification = {1, 1, 1, 1, 1, 0.5};  // of a parting long ago, or none
+  model.rates.modifiers.turning = {13, 17, 19, 23};
+  for (const auto& [gap, multiple] :
+       {std::pair(4.0, 1.0), {6.0, 2.0}, {9.0, 3.0}, {12.0, 5.0}, {22.0, 11.0}}) {
+    test::Frame frame;
+    frame.line(test::segment({50, 50}, {90, 50}, 9));
+    frame.line(test::segment({90 + gap, 50}, {130 + gap, 50}, 9));
+    frame.line(test::segment({50, 150}, {90, 150}, 9));
+    frame.line(test::segment({89, 150 + gap}, {89, 190 + gap}, 9));  // a turn by more than a right angle
+    const auto motion = identified({frame.graph(), frame.graph()}, {straight_links(36)});
+    const auto events = mcmc::transition_likelihoods(model, motion).at(0).events;
+    CHECK_THAT(events[class_index(EventType::merge)], test::WithinAbs(-0.001 - 0.02 * 0.5 * multiple, 1e-12));
+    CHECK_THAT(events[class_index(EventType::connect)],
+               test::WithinAbs(-0.001 - 0.01 * 0.5 * multiple * 23, 1e-12));
+  }
+}
+
 TEST_CASE("terms of events are those counted by hand", "[likelihood]") {
   auto model = test::empty_model();
   model.rates.death_by_size.fill(0.02);

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mcmc/learning/curve_tracks.hpp"
 
+#include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
@@ -135,6 +139,37 @@ TEST_CASE("Every place of a curve has a lineage and no two are closer than 2 px"
       CHECK(nearest < 3);
     }
   }
+}
+
+TEST_CASE("Where a ring shrinks its lineages come together, and older ones stay", "[lineages]") {
+  const auto ring = [](double radius) {
+    test::Frame frame;
+    std::vector<Point> points;
+    for (int k = 0; k < 20; ++k) {
+      const double angle = 2 * std::numbers::pi * k / 20;
+      points.push_back(Point{100, 100} + Point{std::cos(angle), std::sin(angle)} * radius);
+    }
+    const auto first = frame.line(points);
+    for (auto& v : frame.vertices)
+      v.patch.theta = 2 * std::numbers::pi * v.id.value / 20 + std::numbers::pi / 2;
+    frame.edge(first, first + 19);
+    return frame.graph();
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> links;
+  for (std::uint32_t v = 0; v < 20; ++v) links.emplace_back(v, v);
+  const auto all = mcmc::detail::track_curves(test::motion({ring(19), ring(10), ring(5)}, {links, links}));
+  std::vector<std::vector<Point>> places(3);
+  for (const auto& track : all)
+    for (std::size_t k = 0; k < track.samples.size(); ++k)
+      places[frame_of(track, k)].push_back(track.samples[k].position);
+  CHECK(places[0].size() == 20);  // 6 px apart
+  CHECK(places[1].size() == 20);  // 3 px
+  CHECK(places[2].size() < 20);   // 1.6 px
+  CHECK(places[2].size() >= 10);
+  for (const auto& there : places)
+    for (std::size_t i = 0; i < there.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) CHECK(graph::distance(there[i], there[j]) >= 2);
+  for (const auto& track : all) CHECK(track.first == 0);
 }
 
 TEST_CASE("Without links there are only lineages of one frame", "[lineages]") {

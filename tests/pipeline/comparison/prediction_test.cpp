@@ -11,6 +11,35 @@
 using namespace emberfold;
 using namespace emberfold::test;
 
+TEST_CASE("Steps of a prediction double up to the farthest, which is there once") {
+  CHECK(pipeline::prediction_steps(1) == std::vector<int>{1});
+  CHECK(pipeline::prediction_steps(2) == std::vector<int>{1, 2});
+  CHECK(pipeline::prediction_steps(8) == std::vector<int>{1, 2, 4, 8});
+  CHECK(pipeline::prediction_steps(11) == std::vector<int>{1, 2, 4, 8, 11});
+}
+
+TEST_CASE("Of many frames to predict 32 are taken, evenly spread") {
+  // From frame t to the next the level changes by t + 1.
+  core::Clip clip;
+  clip.info.width = 6, clip.info.height = 5, clip.info.depth = CV_32F;
+  constexpr int kFirst = 4, kFrames = 4 + 96;
+  for (int t = 0; t < kFrames; ++t) {
+    const int level = t % 2 == 0 ? 20 - t / 2 + 100 : 20 + (t + 1) / 2 + 100;
+    clip.frames.push_back(cv::Mat(5, 6, CV_32FC1, cv::Scalar(level)));
+  }
+  core::ClipSource source(clip);
+  const std::vector<int> next{1};
+  const auto measured = pipeline::measure_prediction(source, kFirst, kFrames, next, {}, {});
+  REQUIRE(measured.starts == 32);
+  const auto& found = measured.methods.at(0).next_frame_psnr;
+  REQUIRE(measured.methods.at(0).key == "frame_before");
+  for (int i = 0; i < 32; ++i) {
+    const double step = kFirst - 1 + 3 * i + 1;
+    CHECK_THAT(found[static_cast<std::size_t>(i)],
+               WithinAbs(10 * std::log10(255 * 255 / (step * step)), 1e-9));
+  }
+}
+
 TEST_CASE("Predictions are measured against the frame that comes") {
   // The frames of the second half hold four levels more each, the first half is all 10.
   core::Clip clip;

@@ -81,6 +81,23 @@ TEST_CASE("Ground: still is what is seen often enough and keeps its level") {
   CHECK(background.still.at<uchar>(4, 5) == 255);
 }
 
+TEST_CASE("Ground: seen in a fifth of the frames is often enough, an SD of 8 levels is not still") {
+  std::vector<sketch::FrameBackground> frames;
+  for (int t = 0; t < 20; ++t) {
+    const float sign = t % 2 == 0 ? 1.0F : -1.0F;
+    cv::Mat1f levels = (cv::Mat1f(1, 4) << 100 + 7.5F * sign, 100 + 8.5F * sign, 60, 60);
+    cv::Mat1b uncovered(1, 4, std::uint8_t{255});
+    uncovered(0, 2) = t < 4 ? 255 : 0;
+    uncovered(0, 3) = t < 3 ? 255 : 0;
+    frames.push_back({levels, uncovered});
+  }
+  const auto background = sketch::estimate_background(frames);
+  const std::vector<int> still{255, 0, 255, 0};
+  for (int x = 0; x < 4; ++x) CHECK(background.still.at<uchar>(0, x) == still[static_cast<std::size_t>(x)]);
+  CHECK_THAT(background.levels.at<float>(0, 0), Catch::Matchers::WithinAbs(100, 1e-3));
+  CHECK(background.levels.at<float>(0, 2) == 60);
+}
+
 TEST_CASE("Ground: frames keep it away from strokes, and strokes keep their place") {
   const std::vector<sketch::FrameBackground> seen{sketch::measure_background(slope(), {})};
   const auto background = sketch::estimate_background(seen);

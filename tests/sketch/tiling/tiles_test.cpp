@@ -99,6 +99,36 @@ TEST_CASE("A line that two tiles share is one stroke again", "[sketch]") {
   CHECK(graph::components(apart).count == 2);
 }
 
+TEST_CASE("Edges that leave two tiles are tied where they are in line and have not passed each other",
+          "[sketch]") {
+  const auto tiles =
+      sketch::make_tiles({100, 60}, 50, 10);  // cores from 0 and from 50, read up to 60 and from 40
+  REQUIRE(tiles.size() == 4);
+  // An edge up to `left` goes on past the seam, one down from `right` comes from it.
+  const auto edges = [&](Point left, Point left_to, Point right, Point right_from) {
+    const auto edge = [](Point a, Point b, Point origin) {
+      graph::Patch one, other;
+      one.position = a - origin, other.position = b - origin;
+      return AttributeGraph({{{0}, {}, one}, {{1}, {}, other}}, {{{0}, {1}}});
+    };
+    const Point origin{double(tiles[1].read.x), double(tiles[1].read.y)};
+    const auto joined =
+        sketch::join_tiles(tiles, {edge(left, left_to, {}), edge(right, right_from, origin), {}, {}}, 5);
+    CHECK(joined.size() == 2);
+    return joined.edges().size();
+  };
+  CHECK(edges({47, 15}, {52, 15}, {52, 15}, {47, 15}) == 1);
+  CHECK(edges({49, 15}, {50, 20}, {51, 15}, {49, 10}) == 1);  // side by side at the seam
+  CHECK(edges({48, 15}, {53, 15}, {51, 17.4}, {46, 17.4}) == 1);
+  CHECK(edges({48, 15}, {53, 15}, {51, 17.6}, {46, 17.6}) == 0);  // too far aside
+  CHECK(edges({48, 15}, {53, 15}, {62, 15}, {47, 15}) == 1);
+  CHECK(edges({48, 15}, {53, 15}, {64, 15}, {47, 15}) == 0);  // too far away
+  CHECK(edges({48, 15}, {53, 15}, {51, 15}, {49, 19}) == 0);  // in another direction
+  // Along the seam: the second end lies 2, then 4 px behind the first one.
+  CHECK(edges({49, 15}, {51, 35}, {50, 13}, {48, -7}) == 1);
+  CHECK(edges({49, 15}, {51, 35}, {50, 11}, {48, -9}) == 0);
+}
+
 TEST_CASE("A frame in tiles has the curves of the whole frame", "[sketch]") {
   const cv::Mat1f frame = scene();
   const AttributeGraph whole = sketch::extract(frame, {}), tiled = sketch::extract(frame, {.tile = 90});

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/text/json_reader.hpp"
+
+#include <sstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace emberfold;
+
+namespace {
+
+std::string refusal(const std::string& text) {
+  try {
+    core::parse_json(text);
+  } catch (const core::IoError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("What is no JSON is refused with the line and the column of its first wrong character") {
+  CHECK(refusal("[1, 2") == "no valid JSON at column 5");
+  CHECK(refusal("[1, x]") == "no valid JSON at column 5");
+  CHECK(refusal("[1,\n  2,\n x]") == "no valid JSON at line 3, column 2");
+  CHECK(refusal("\nx") == "no valid JSON at line 2, column 1");
+  CHECK(refusal("[1]") == "none");
+}
+
+TEST_CASE("JSON may be nested 16 deep and no deeper") {
+  const auto nested = [](std::size_t deep) { return std::string(deep, '[') + "1" + std::string(deep, ']'); };
+  CHECK(refusal(nested(16)) == "none");
+  CHECK(refusal(nested(17)) == "nested more than 16 deep");
+}
+
+TEST_CASE("A quoted text has at most 40 characters, a mark where it had more, and none that is not plain") {
+  const std::string forty(40, 'a');
+  CHECK(core::quoted(forty) == "\"" + forty + "\"");
+  CHECK(core::quoted(forty + "a") == "\"" + forty + "…\"");
+  CHECK(core::quoted("a\"b\nc~") == "\"a?b?c~\"");
+}
+
+TEST_CASE("Lines are read whole, without their breaks, up to the limit") {
+  std::istringstream in(std::string(50000, 'x') + "\r\n\nlast");
+  const auto first = core::read_line(in, 50001);
+  REQUIRE(first);
+  CHECK((first->text == std::string(50000, 'x') && first->ended));
+  const auto second = core::read_line(in, 10), third = core::read_line(in, 4);
+  REQUIRE((second && third));
+  CHECK((second->text.empty() && second->ended));
+  CHECK((third->text == "last" && !third->ended));
+  CHECK(!core::read_line(in, 10));
+  std::istringstream again("12345\n");
+  CHECK_THROWS_AS(core::read_line(again, 4), core::IoError);
+}
