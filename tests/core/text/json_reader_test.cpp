@@ -46,7 +46,9 @@ TEST_CASE("A quoted text has at most 40 characters, a mark where it had more, an
 }
 
 TEST_CASE("Lines are read whole, without their breaks, up to the limit") {
-  std::istringstream in(std::string(50000, 'x') + "\r\n\nlast");
+  std::string text(50000, 'x');
+  text += "\r\n\nlast";
+  std::istringstream in(text);
   const auto first = core::read_line(in, 50001);
   REQUIRE(first);
   CHECK((first->text == std::string(50000, 'x') && first->ended));
