@@ -105,6 +105,16 @@ TEST_CASE("Brightness, contrast and mirroring change nothing, turning and revers
   CHECK(apart(reversed) > 1);
 }
 
+TEST_CASE("A clip is described from its first frame, wherever its source stands", "[dytex][windows]") {
+  const core::Clip clip = made_clip({0.12, 0.08, 0.12}, 3, {32, 32});
+  core::ClipSource source(clip);
+  source.next();
+  const auto once = dytex::window_spectrum(source), again = dytex::window_spectrum(source);
+  REQUIRE((once && again));
+  CHECK(*once == *described(clip));
+  CHECK(*again == *once);
+}
+
 TEST_CASE("What has no windows has no description", "[dytex][windows]") {
   CHECK_FALSE(described(made_clip({}, 1, {15, 40})));
   CHECK_FALSE(described(made_clip({}, 1, {40, 40}, 31)));
