@@ -122,6 +122,22 @@ TEST_CASE("the radius of STAR is that of what it does") {
   CHECK_THROWS_AS(StarSynthesis(star, 1), core::InputError);
 }
 
+TEST_CASE("the radius of STAR is that of its fastest wave and of its slower root") {
+  auto star = made(32, 32, 1);
+  coefficient(star, {0, 0, 1}) = -0.7;  // λ² + 0.7 λ − 0.18 = (λ + 0.9)(λ − 0.2)
+  coefficient(star, {0, 0, 2}) = 0.18;
+  CHECK_THAT(spectral_radius(star), WithinAbs(0.9, 1e-12));
+  coefficient(star, {0, 0, 2}) = 0;
+  // 0.3 − 0.6 cos k grows most where neighbouring rows, or columns, are opposite.
+  for (const bool rows : {false, true}) {
+    auto waves = made(32, 32, 1);
+    coefficient(waves, {0, 0, 1}) = 0.3;
+    coefficient(waves, rows ? StarTerm{0, -1, 1} : StarTerm{-1, 0, 1}) = -0.3;
+    coefficient(waves, rows ? StarTerm{0, 1, 1} : StarTerm{1, 0, 1}) = -0.3;
+    CHECK_THAT(spectral_radius(waves), WithinAbs(0.9, 1e-12));
+  }
+}
+
 TEST_CASE("a clip that grows is learned as a model that does not") {
   auto star = made(24, 20, 1);
   core::Clip clip{star.info, {}};
