@@ -101,6 +101,7 @@ WindowSpectrum WindowEnergies::spectrum() const {
 WindowSpectrum window_spectrum(core::FrameSource& source, const core::Context& context) {
   const auto& info = source.info();
   WindowEnergies energies({info.width, info.height});
+  source.rewind();
   for (cv::Mat frame = source.next(); !frame.empty(); frame = source.next()) {
     context.check();
     energies.add(core::luma(frame, info));

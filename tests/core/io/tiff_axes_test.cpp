@@ -156,6 +156,25 @@ TEST_CASE("OME stacks are read in any order of their axes") {
     }
 }
 
+TEST_CASE("the interval of an OME stack is from the first slice of a frame to that of the next") {
+  const TempFolder temp;
+  const auto path = temp / "stack.ome.tif";
+  std::string planes;
+  for (int t = 0; t < 4; ++t)
+    for (int z = 0; z < 2; ++z)
+      for (int c = 0; c < 2; ++c)
+        planes += "<Plane TheC=\"" + std::to_string(c) + "\" TheZ=\"" + std::to_string(z) + "\" TheT=\"" +
+                  std::to_string(t) + "\" DeltaT=\"" + std::to_string(2000 * t + 500 * z + 300 * c) +
+                  "\" DeltaTUnit=\"ms\"/>";
+  write_tiff(path, hyperstack(4, 2, 2),
+             {ome(R"(DimensionOrder="XYCZT" SizeC="2" SizeZ="2" SizeT="4")", planes)});
+  io::ReadOptions options;
+  options.channel = 0, options.slice = 0;
+  const auto found = read(path, options);
+  CHECK(found.clip.info.fps == Approx(0.5));
+  CHECK(found.mentions("not evenly spaced") == 0);
+}
+
 TEST_CASE("an OME stack that ended early, in uneven time or in several files is told") {
   const TempFolder temp;
   const auto path = temp / "stack.ome.tif";

@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/rng.hpp"
+#include "dytex/baselines/star_waves.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
@@ -122,6 +123,22 @@ TEST_CASE("the radius of STAR is that of what it does") {
   CHECK_THROWS_AS(StarSynthesis(star, 1), core::InputError);
 }
 
+TEST_CASE("the radius of STAR is that of its fastest wave and of its slower root") {
+  auto star = made(32, 32, 1);
+  coefficient(star, {0, 0, 1}) = -0.7;  // λ² + 0.7 λ − 0.18 = (λ + 0.9)(λ − 0.2)
+  coefficient(star, {0, 0, 2}) = 0.18;
+  CHECK_THAT(spectral_radius(star), WithinAbs(0.9, 1e-12));
+  coefficient(star, {0, 0, 2}) = 0;
+  // 0.3 − 0.6 cos k grows most where neighbouring rows, or columns, are opposite.
+  for (const bool rows : {false, true}) {
+    auto waves = made(32, 32, 1);
+    coefficient(waves, {0, 0, 1}) = 0.3;
+    coefficient(waves, rows ? StarTerm{0, -1, 1} : StarTerm{-1, 0, 1}) = -0.3;
+    coefficient(waves, rows ? StarTerm{0, 1, 1} : StarTerm{1, 0, 1}) = -0.3;
+    CHECK_THAT(spectral_radius(waves), WithinAbs(0.9, 1e-12));
+  }
+}
+
 TEST_CASE("a clip that grows is learned as a model that does not") {
   auto star = made(24, 20, 1);
   core::Clip clip{star.info, {}};
@@ -142,6 +159,42 @@ TEST_CASE("a clip that grows is learned as a model that does not") {
   CHECK_THAT(spectral_radius(learned.star), WithinAbs(0.998, 1e-6));
   StarSynthesis synthesis(learned.star, 1);
   for (int t = 0; t < 20; ++t) CHECK(synthesis.next().size() == cv::Size(24, 20));
+}
+
+TEST_CASE("what is scaled to be stable has the radius it is scaled to, and varies as the clip does") {
+  core::Clip clip{made(24, 20, 1).info, {}};
+  clip.info.depth = CV_32F;
+  core::Rng rng(6);
+  cv::Mat1f frame(20, 24);
+  for (auto& value : frame) value = static_cast<float>(rng.normal());
+  Eigen::ArrayXXd sum = Eigen::ArrayXXd::Zero(20, 24), squares = sum;
+  for (int t = 0; t < 30; ++t) {
+    cv::Mat1f next(20, 24);
+    cv::scaleAdd(frame, 1.08, cv::Mat1f::zeros(20, 24), next);
+    for (auto& value : next) value += static_cast<float>(0.05 * rng.normal());
+    clip.frames.push_back(frame = next);
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 24; ++x) {
+        const double level = double{frame(y, x)};
+        sum(y, x) += level, squares(y, x) += level * level;
+      }
+  }
+  const double variance = (squares / 30 - (sum / 30).square()).mean();
+  for (const int lags : {1, 2}) {
+    core::ClipSource source(clip);
+    const auto learned = learn_star(source, {1, lags});
+    REQUIRE(learned.least_squares_radius > 1);
+    CHECK_THAT(spectral_radius(learned.star), WithinAbs(0.998, 1e-6));
+    if (lags > 1) continue;
+    // A wave z(t) = f z(t − 1) + g a(t) has the variance |g|² / (1 − |f|²) of a's.
+    double gain = 0;
+    int waves = 0;
+    detail::for_each_wave(learned.star, [&](const detail::Wave& wave) {
+      gain += std::norm(wave.gain) / (1 - std::norm(wave.first));
+      ++waves;
+    });
+    CHECK_THAT(gain / waves * learned.star.noise.squaredNorm(), WithinRel(variance, 1e-3));
+  }
 }
 
 TEST_CASE("what never changes is drawn as it is") {

@@ -12,6 +12,7 @@
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "dytex/distances/distances.hpp"
+#include "dytex/distances/window_bands.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/linear_textures.hpp"
 #include "tests/support/messages.hpp"
@@ -103,6 +104,62 @@ TEST_CASE("Brightness, contrast and mirroring change nothing, turning and revers
   core::Clip reversed = clip;
   std::ranges::reverse(reversed.frames);
   CHECK(apart(reversed) > 1);
+}
+
+TEST_CASE("A clip is described from its first frame, wherever its source stands", "[dytex][windows]") {
+  const core::Clip clip = made_clip({0.12, 0.08, 0.12}, 3, {32, 32});
+  core::ClipSource source(clip);
+  source.next();
+  const auto once = dytex::window_spectrum(source), again = dytex::window_spectrum(source);
+  REQUIRE((once && again));
+  CHECK(*once == *described(clip));
+  CHECK(*again == *once);
+}
+
+TEST_CASE("Windows lie in the middle of a frame, octaves of time begin at powers of two",
+          "[dytex][windows]") {
+  using dytex::detail::window_starts;
+  CHECK(window_starts(15, 16).empty());
+  CHECK(window_starts(16, 16) == std::vector<int>{0});
+  CHECK(window_starts(31, 16) == std::vector<int>{7});
+  CHECK(window_starts(32, 16) == std::vector<int>{0, 16});
+  CHECK(window_starts(58, 16) == std::vector<int>{5, 21, 37});
+  CHECK(window_starts(100, 32) == std::vector<int>{10, 42, 74});
+  const std::vector<int> octaves{0, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3};
+  for (int cycles = 1; cycles <= 15; ++cycles)
+    CHECK(dytex::detail::time_band(cycles) == octaves[static_cast<std::size_t>(cycles - 1)]);
+  CHECK(dytex::detail::window_step(512, 512) == 16);
+  CHECK(dytex::detail::window_step(528, 512) == 32);
+}
+
+TEST_CASE("Segments of 32 frames overlap by half, what is left at the end does not count",
+          "[dytex][windows]") {
+  core::Clip clip = made_clip({0.12, 0.08, 0.12}, 3, {32, 32}, 80);
+  const core::Clip other = made_clip({0.25, 0.1, 0.3}, 4, {32, 32}, 80);
+  std::copy(other.frames.begin() + 32, other.frames.end(), clip.frames.begin() + 32);
+  const auto beginning = [&](std::size_t frames) {
+    core::Clip part = clip;
+    part.frames.resize(frames);
+    return *described(part);
+  };
+  CHECK(beginning(47) == beginning(32));
+  CHECK(beginning(48) != beginning(32));
+  CHECK(beginning(63) == beginning(48));
+  CHECK(beginning(64) != beginning(48));
+}
+
+TEST_CASE("Noise that is fainter than rounding has no description, however long it lasts",
+          "[dytex][windows]") {
+  for (const auto& [sd, is_seen] : {std::pair(0.004, false), {0.04, true}}) {
+    core::Rng rng(5);
+    dytex::WindowEnergies energies({48, 32});
+    for (int t = 0; t < 32 * 12; ++t) {
+      cv::Mat1f luma(32, 48);
+      for (float& level : luma) level = static_cast<float>(sd * rng.normal());
+      energies.add(luma);
+      if (t % 64 == 63) CHECK(energies.spectrum().has_value() == is_seen);
+    }
+  }
 }
 
 TEST_CASE("What has no windows has no description", "[dytex][windows]") {

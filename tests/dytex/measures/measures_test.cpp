@@ -9,6 +9,7 @@
 #include "dytex/measures/autocorrelation.hpp"
 #include "dytex/measures/flow_histograms.hpp"
 #include "dytex/measures/lbp_top.hpp"
+#include "dytex/measures/optical_flow.hpp"
 #include "dytex/measures/psnr.hpp"
 #include "dytex/measures/sharpness_si_ti.hpp"
 #include "dytex/measures/ssim.hpp"
@@ -133,6 +134,36 @@ TEST_CASE("the distance of motions is how far motion must be changed") {
   FlowHistograms wild;
   wild.add(field(1e9F, std::numeric_limits<float>::quiet_NaN()));
   CHECK_THROWS_AS(flow_distance(wild, right), core::InputError);
+}
+
+TEST_CASE("flows of the same components differ where their speeds do") {
+  // Two vectors each: x is 2 and 0, y is 2 and 0, the speeds are 2 and 2, or √8 and 0.
+  FlowHistograms apart, together;
+  apart.add((cv::Mat2f(1, 2) << cv::Vec2f(2, 0), cv::Vec2f(0, 2)));
+  together.add((cv::Mat2f(1, 2) << cv::Vec2f(2, 2), cv::Vec2f(0, 0)));
+  CHECK(flow_distance(apart, together, FlowPart::x) == 0);
+  CHECK(flow_distance(apart, together, FlowPart::y) == 0);
+  CHECK_THAT(flow_distance(apart, together), WithinAbs(std::sqrt(2.0), 1.0 / 16));
+}
+
+TEST_CASE("optical flow of reduced frames is in pixels of the whole ones, along either axis") {
+  cv::Mat1f wide(260, 360);
+  for (int y = 0; y < wide.rows; ++y)
+    for (int x = 0; x < wide.cols; ++x)
+      wide(y, x) = static_cast<float>(120 + 50 * std::sin(x / 7.0) * std::cos(y / 9.0) +
+                                      30 * std::sin((x + y) / 11.0));
+  const auto moved = [&](int right, int down) {
+    return wide(cv::Rect(20 - right, 20 - down, 320, 220)).clone();
+  };
+  for (const double vectors : {320 * 220 / 4.0, 320 * 220 / 16.0}) {
+    const cv::Mat flow = optical_flow(moved(0, 0), moved(4, -2), vectors);
+    CHECK(static_cast<double>(flow.total()) <= vectors);
+    const cv::Scalar mean =
+        cv::mean(flow(cv::Rect(flow.cols / 4, flow.rows / 4, flow.cols / 2, flow.rows / 2)));
+    CAPTURE(vectors);
+    CHECK_THAT(mean[0], WithinAbs(4, 0.3));
+    CHECK_THAT(mean[1], WithinAbs(-2, 0.3));
+  }
 }
 
 TEST_CASE("a smooth step has the sharpness of its blur whatever its contrast and direction") {

@@ -272,6 +272,37 @@ TEST_CASE("a map survives its array and other arrays are refused") {
   CHECK_THAT(refused({{2, 2, 3}, false, std::vector<float>(12)}), Contains("int32"));
 }
 
+TEST_CASE("measures of a quilt count every block but the first, and every pixel that shows at any time") {
+  core::Clip clip{{8, 2, 1, CV_8U, 25, 255, 4}, {}};
+  for (int t = 0; t < 4; ++t) clip.frames.push_back(cv::Mat(2, 8, CV_8UC1, cv::Scalar(10 * t)));
+  const auto source = held(clip);
+  const std::vector<const dytex::Trajectories*> sources{&source};
+  // Four of sixteen pixels from the first frame on; from frame 2 on two of them are others.
+  dytex::QuiltMap map{{4, 1}, {}};
+  for (int x = 0; x < 4; ++x) map.pixels.push_back({0, x, 0});
+  map.changes = {{2, {0, 6, 1}}, {2, {0, 7, 1}}};
+  map.change_ends = {0, 0, 1, 2};
+  map.frames = 4;
+  std::vector<dytex::QuiltChoice> choices(4);
+  choices[1].column = 1, choices[1].continues = true;
+  choices[2].row = 1;
+  choices[3].column = choices[3].row = 1, choices[3].continues = true;
+  const auto measures = dytex::measure_quilt(map, choices, sources);
+  CHECK_THAT(measures.verbatim_blocks, WithinAbs(2 / 3.0, 1e-12));
+  CHECK_THAT(measures.source_share, WithinAbs(6 / 16.0, 1e-12));
+  CHECK_THAT(measures.change_share, WithinAbs(2 / 12.0, 1e-12));  // of three steps in time
+}
+
+TEST_CASE("jitter goes both ways, by the seed") {
+  const auto field = dytex::time_jitter({200, 150}, {8, 6}, 10, 3);
+  double least = 0, most = 0;
+  cv::minMaxLoc(field, &least, &most);
+  CHECK(least < -3);
+  CHECK(most > 3);
+  CHECK(std::abs(cv::mean(field)[0]) < 1);
+  CHECK(cv::norm(field, dytex::time_jitter({200, 150}, {8, 6}, 10, 4), cv::NORM_INF) > 1);
+}
+
 TEST_CASE("measures of a quilt tell copies from seams") {
   core::Clip clip{{40, 40, 1, CV_8U, 25, 255, 3}, {}};
   for (int t = 0; t < 3; ++t) {

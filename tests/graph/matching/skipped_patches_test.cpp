@@ -66,6 +66,24 @@ TEST_CASE("Runs of skipped patches follow each other", "[graph][skipped_patches]
   CHECK(pairs(motion) == Pairs{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}});
 }
 
+TEST_CASE("A skipped patch goes on at most 7.5 px along it and 3 px across", "[graph][skipped_patches]") {
+  const auto linked = [](graph::Point last) {
+    test::Frame one, other;
+    one.line({{10, 50}, {15, 50}, last});
+    one.vertices[2].patch.theta = 0;
+    other.line({{10, 50}, {15, 50}});
+    auto motion = test::motion({one.graph(), other.graph()}, {{{0, 0}, {1, 1}}});
+    graph::link_skipped_patches(motion);
+    return pairs(motion).size() == 3;
+  };
+  CHECK(linked({22.4, 50}));
+  CHECK(!linked({22.6, 50}));
+  CHECK(linked({15, 52.9}));
+  CHECK(!linked({15, 53.1}));
+  CHECK(linked({20, 52}));
+  CHECK(!linked({20, 52.5}));  // both together: in an ellipse
+}
+
 TEST_CASE(
     "Nothing is linked with what lies elsewhere, is of another kind or turned, or beside no linked patch",
     "[graph][skipped_patches]") {

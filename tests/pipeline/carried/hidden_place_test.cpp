@@ -38,7 +38,7 @@ SeenClip ramps(int frames) {
   return {std::move(pictures), std::move(motion)};
 }
 
-std::vector<graph::Patch> patches_at(double x, double y) {
+std::vector<graph::Patch> patches_from(double x, double y) {
   std::vector<graph::Patch> patches;
   for (int i = 0; i < 4; ++i) patches.push_back(test::vertex(0, x + 6 * i, y).patch);
   return patches;
@@ -63,11 +63,11 @@ TEST_CASE("hidden place: a frame at another time is one of a clip that goes to a
 TEST_CASE("hidden place: strokes show where a quarter of the patches lies on one there") {
   const auto clip = ramps(3);
   // Of four patches 6 px apart none to four lie within 5 px of the stroke, which ends at 64.
-  CHECK(!shows_strokes(clip, 0, patches_at(70, 40), {{}, 0, 0}));
-  CHECK(!shows_strokes(clip, 0, patches_at(64, 40), {{}, 0, 0}));
-  CHECK(shows_strokes(clip, 0, patches_at(58, 40), {{}, 0, 0}));
-  CHECK(shows_strokes(clip, 0, patches_at(40, 40), {{}, 1, 0}));
-  CHECK(!shows_strokes(clip, 0, patches_at(40, 40), {{0, 20}, 1, 0}));
+  CHECK(!shows_strokes(clip, 0, patches_from(70, 40), {{}, 0, 0}));
+  CHECK(!shows_strokes(clip, 0, patches_from(64, 40), {{}, 0, 0}));
+  CHECK(shows_strokes(clip, 0, patches_from(58, 40), {{}, 0, 0}));
+  CHECK(shows_strokes(clip, 0, patches_from(40, 40), {{}, 1, 0}));
+  CHECK(!shows_strokes(clip, 0, patches_from(40, 40), {{0, 20}, 1, 0}));
 }
 
 TEST_CASE("hidden place: places are unlike by the levels on both sides of a patch") {
@@ -82,7 +82,7 @@ TEST_CASE("hidden place: places are unlike by the levels on both sides of a patc
 
 TEST_CASE("hidden place: what hides a patch is looked for beside it, where no stroke lies") {
   const auto clip = ramps(3);
-  const auto patches = patches_at(44, 40);
+  const auto patches = patches_from(44, 40);
   const auto place = find_hidden_place(clip, 0, patches);
   CHECK(place.later == 0);
   CHECK(std::hypot(place.beside.x, place.beside.y) > 5);
