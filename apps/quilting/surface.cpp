@@ -44,7 +44,7 @@ std::string surface_fingerprint(const dytex::SurfaceLayout& layout) {
   const auto add_length = [&](double length) {
     add(static_cast<std::uint64_t>(std::llround(length * 65536)));
   };
-  for (const std::int32_t triangle : layout.triangles) add(static_cast<std::uint64_t>(triangle + 1));
+  for (const std::int32_t triangle : layout.triangles) add(static_cast<std::uint64_t>(triangle) + 1);
   for (const auto& frame : layout.frames)
     add_length(frame.across), add_length(frame.shear), add_length(frame.down);
   for (const auto& [a, b] : layout.glued)

@@ -38,8 +38,7 @@ std::vector<std::array<std::size_t, 3>> cut_polygon(std::span<const cv::Point2d>
   std::vector<std::size_t> left(corners.size());
   std::iota(left.begin(), left.end(), std::size_t{0});
   const double side = twice_area(corners) < 0 ? -1 : 1;
-  while (left.size() > 3) {
-    const std::size_t n = left.size();
+  for (std::size_t n = left.size(); n > 3; --n) {
     std::size_t ear = 1;
     for (std::size_t i = 0; i < n; ++i)
       if (is_ear(corners, left, (1 + i) % n, side)) {
