@@ -50,7 +50,7 @@ TEST_CASE("The runs of a block's overlap are the pixels of its strips, each once
     cv::Mat1i by_run(9, 11, 0), by_box(9, 11, 0), strips(9, 11, 0);
     const auto mark = [](cv::Mat1i marked) { marked += 1; };
     for (const Run& run : overlap_runs(block)) mark(by_run(cv::Rect(run.x, run.y, run.length, 1)));
-    for (const cv::Rect& box : overlap_boxes(block)) mark(by_box(box));
+    for (const cv::Rect& box : run_boxes(overlap_runs(block))) mark(by_box(box));
     for (int y = 0; y < 9; ++y)
       for (int x = 0; x < 11; ++x)
         if (x < block.left || x >= 11 - block.right || y < block.top || y >= 9 - block.bottom)
