@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/quilting/fingerprint.hpp"
 #include "core/error.hpp"
 #include "core/io/files.hpp"
 
@@ -21,14 +22,12 @@ constexpr const char* kFormat = "emberfold.quilt_part";
 
 // Hashes a sample of a clip's bytes, spread over all of it.
 std::uint64_t fingerprint(const dytex::Trajectories& source) {
-  std::uint64_t sum = 1469598103934665603ULL;  // FNV-1a
+  Fingerprint print;
   const std::size_t bytes = source.course() * source.pixels() * CV_ELEM_SIZE1(source.info().depth);
   for (int c = 0; c < source.chunks(); ++c)
-    for (std::size_t i = 0; i < bytes; i += 1 + bytes / 4096) {
-      sum ^= static_cast<std::uint64_t>(source.chunk(c)[i]);
-      sum *= 1099511628211ULL;
-    }
-  return sum;
+    for (std::size_t i = 0; i < bytes; i += 1 + bytes / 4096)
+      print.add(static_cast<std::uint64_t>(source.chunk(c)[i]));
+  return print.sum;
 }
 
 }  // namespace

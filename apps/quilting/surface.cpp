@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/quilting/fingerprint.hpp"
 #include "core/io/files.hpp"
 #include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
@@ -39,8 +40,8 @@ SurfaceFound read_surface(const QuiltRequest& request, Session& session) {
 }
 
 std::string surface_fingerprint(const dytex::SurfaceLayout& layout) {
-  std::uint64_t sum = 1469598103934665603ULL;  // FNV-1a
-  const auto add = [&](std::uint64_t value) { sum = (sum ^ value) * 1099511628211ULL; };
+  Fingerprint print;
+  const auto add = [&](std::uint64_t value) { print.add(value); };
   const auto add_length = [&](double length) {
     add(static_cast<std::uint64_t>(std::llround(length * 65536)));
   };
@@ -49,7 +50,7 @@ std::string surface_fingerprint(const dytex::SurfaceLayout& layout) {
     add_length(frame.across), add_length(frame.shear), add_length(frame.down);
   for (const auto& [a, b] : layout.glued)
     add(static_cast<std::uint64_t>(a.triangle)), add(static_cast<std::uint64_t>(b.triangle));
-  return std::to_string(sum);
+  return std::to_string(print.sum);
 }
 
 dytex::QuiltMap block_map(const SurfaceFound& found) {

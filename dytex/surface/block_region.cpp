@@ -11,10 +11,6 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-cv::Point2d texel_centre(const cv::Point& texel) {
-  return {static_cast<double>(texel.x), static_cast<double>(texel.y)};
-}
-
 /// The frame whose squared lengths are the mean of those of some texels.
 SurfaceFrame mean_frame(const SurfaceLayout& layout, const BlockRegion& region) {
   double right = 0, mixed = 0, below = 0;
@@ -42,7 +38,7 @@ void RegionFinder::flood(BlockRegion& region) {
     if (layout_.chart_at(texel) != region.chart) return;
     const std::size_t index = layout_.index(texel);
     if (marks_[index] == mark_) return;
-    const std::int32_t cell = region.cell_index(nearest_texel(region.cell_of(texel_centre(texel))));
+    const std::int32_t cell = region.cell_index(nearest_texel(region.cell_of(texel)));
     if (cell < 0) return;
     marks_[index] = mark_;
     region.texels.push_back({static_cast<std::int32_t>(index), cell});
@@ -61,7 +57,7 @@ void RegionFinder::find_nearest(BlockRegion& region) const {
   region.nearest.assign(static_cast<std::size_t>(region.block.area()), -1);
   for (int y = 0; y < region.block.height; ++y)
     for (int x = 0; x < region.block.width; ++x) {
-      const cv::Point texel = nearest_texel(region.texel_of(texel_centre({x, y})));
+      const cv::Point texel = nearest_texel(region.texel_of(cv::Point(x, y)));
       if (layout_.contains(texel) && marks_[layout_.index(texel)] == mark_)
         region.nearest[static_cast<std::size_t>(region.cell_index({x, y}))] =
             static_cast<std::int32_t>(layout_.index(texel));
@@ -86,8 +82,8 @@ BlockRegion RegionFinder::find(std::int32_t seed, const cv::Point& seed_cell, cv
   BlockRegion region;
   region.block = block;
   region.frame = layout_.frames[triangle];
-  region.seed = texel_centre(layout_.texel(static_cast<std::size_t>(seed)));
-  region.seed_cell = texel_centre(seed_cell);
+  region.seed = layout_.texel(static_cast<std::size_t>(seed));
+  region.seed_cell = seed_cell;
   region.chart = layout_.charts[triangle];
   flood(region);
   region.frame = mean_frame(layout_, region);
@@ -127,7 +123,7 @@ std::vector<std::int32_t> GluedNeighbours::texels_beyond(const BlockRegion& regi
       for (int x = begin(p.x, q.x); x <= right; ++x) {
         const auto cell = static_cast<std::size_t>(region.cell_index({x, y}));
         if (region.nearest[cell] >= 0) continue;
-        const auto place = crossing.here().place(region.texel_of(texel_centre({x, y})));
+        const auto place = crossing.here().place(region.texel_of(cv::Point(x, y)));
         if (place.along < -0.5 || place.along > crossing.here().length() + 0.5 || place.beyond <= -0.5 ||
             place.beyond > reach || place.beyond >= distance[cell])
           continue;

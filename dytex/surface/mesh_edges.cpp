@@ -2,8 +2,10 @@
 #include "dytex/surface/mesh_edges.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
+#include <vector>
+
+#include <boost/pending/disjoint_sets.hpp>
 
 namespace emberfold::dytex::detail {
 
@@ -32,37 +34,21 @@ bool joined_in_texture(const MeshEdge& a, const MeshEdge& b) {
   return joined(a, b) && a.uv_from == b.uv_from && a.uv_to == b.uv_to;
 }
 
-/// Triangles that hang together.
-class TriangleSets {
- public:
-  explicit TriangleSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t root(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::int32_t a, std::int32_t b) {
-    const std::size_t one = root(static_cast<std::size_t>(a)), other = root(static_cast<std::size_t>(b));
-    parent_[std::max(one, other)] = std::min(one, other);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 }  // namespace
 
 MeshEdges mesh_edges(const UvMesh& mesh) {
   const auto edges = sorted_edges(mesh);
-  TriangleSets sets(mesh.triangles.size());
+  std::vector<std::size_t> rank(mesh.triangles.size()), parent(mesh.triangles.size());
+  boost::disjoint_sets sets(rank.data(), parent.data());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) sets.make_set(t);
   MeshEdges found;
   for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
     std::vector<MeshEdge> open;  // alone in the texture
     while (end < edges.size() && joined(edges[begin], edges[end])) {
       const std::size_t first = end;
       while (end < edges.size() && joined_in_texture(edges[first], edges[end]))
-        sets.join(edges[first].triangle, edges[end++].triangle);
+        sets.union_set(static_cast<std::size_t>(edges[first].triangle),
+                       static_cast<std::size_t>(edges[end++].triangle));
       if (end - first == 1) open.push_back(edges[first]);
     }
     const bool pair =
@@ -71,7 +57,7 @@ MeshEdges mesh_edges(const UvMesh& mesh) {
   }
   std::vector<std::int32_t> number(mesh.triangles.size(), -1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    std::int32_t& chart = number[sets.root(t)];
+    std::int32_t& chart = number[sets.find_set(t)];
     if (chart < 0) chart = found.chart_count++;
     found.charts.push_back(chart);
   }

@@ -71,9 +71,7 @@ std::optional<SurfacePlace> SurfaceCanvas::next() {
 SourcePixel SurfaceCanvas::shown(const BlockRegion& region, std::int32_t cell) const {
   const auto texel = static_cast<std::size_t>(region.nearest[static_cast<std::size_t>(cell)]);
   const SourcePixel& from = pixels_[texel];
-  const cv::Point place = layout_.texel(texel);
-  const cv::Point own =
-      nearest_texel(region.cell_of({static_cast<double>(place.x), static_cast<double>(place.y)}));
+  const cv::Point own = nearest_texel(region.cell_of(layout_.texel(texel)));
   const cv::Point at = cv::Point(from.x, from.y) + region.cell(cell) - own;
   const cv::Size size = sources_[static_cast<std::size_t>(from.source)].trajectories->size();
   return cv::Rect({}, size).contains(at) ? SourcePixel{from.source, at.x, at.y} : from;

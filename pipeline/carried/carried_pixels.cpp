@@ -69,13 +69,13 @@ std::array<float, Channels> levels_at(const cv::Mat& frame, float x, float y) {
 }
 
 /// Returns the opacity of a patch's pixels for a grey level of difference from what lies beside it. A patch
-/// that differs much more from that than it is to be fitted by covers what lies below it: in its middle it
-/// has a colour of its own, which the ground's must not tint. Fainter ones are seen through: 0.
+/// that differs more from that than it is to be fitted by covers what lies below it: in its middle it has a
+/// colour of its own, which the ground's must not tint. Fainter ones are seen through: 0.
 float opacity_of(const CarriedPatch& patch, const Sides& sides, float lacking, const cv::Mat& source) {
   const auto x = static_cast<float>(patch.from.x), y = static_cast<float>(patch.from.y);
   const auto channels = static_cast<std::size_t>(source.channels());
-  std::array<float, 3> middle{levels_at<1>(source, x, y)[0]};
-  if (channels == 3) middle = levels_at<3>(source, x, y);
+  const auto middle =
+      channels == 3 ? levels_at<3>(source, x, y) : std::array<float, 3>{levels_at<1>(source, x, y)[0]};
   float contrast = 0;
   for (std::size_t c = 0; c < channels; ++c)
     contrast = std::max(contrast, std::abs(middle[c] - (sides.left.seen[c] + sides.right.seen[c]) / 2));
