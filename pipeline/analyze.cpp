@@ -93,8 +93,7 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
   } else {
     const auto starts = match_starts(sketches, options.match, options.starts, context);
     clock.begin("sample");
-    auto sampled =
-        mcmc::sample_chains(starts, backward_readings(options.starts), options.infer, options.seed, context);
+    auto sampled = mcmc::sample_chains(starts, options.infer, options.seed, context);
     fitted = std::move(sampled.fitted);
     analysis.motion = sampled.last.front();
     clock.begin("curves");

@@ -59,12 +59,6 @@ std::vector<StartReading> readings(const StartOptions& options) {
   return result;
 }
 
-std::vector<bool> backward_readings(const StartOptions& options) {
-  std::vector<bool> backwards;
-  for (const auto& reading : readings(options)) backwards.push_back(reading.backwards);
-  return backwards;
-}
-
 StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOptions& extract,
                             const StartOptions& options, std::uint64_t seed, const core::Context& context) {
   const std::size_t count = copies(readings(options));

@@ -32,8 +32,6 @@ struct StartReading {
 /// The clip forwards, the clip backwards, a noisy copy forwards, another one backwards, and so on in turns of
 /// four. At least half of all starts are of the clip itself.
 std::vector<StartReading> readings(const StartOptions& options);
-/// Returns which of the readings are matched backwards in time.
-std::vector<bool> backward_readings(const StartOptions& options);
 
 /// Holds the sketch of the clip and those of its noisy copies, as many as the readings need.
 struct StartSketches {

@@ -77,8 +77,8 @@ void visit_fields(MaybeConst<mcmc::InferOptions> auto& o, auto&& visit) {
   visit("burn_in", o.burn_in, "N", "Sweeps of each chain before states are kept, while it adapts");
   visit("samples", o.samples, "N", "Number of states that each chain keeps");
   visit("proposals", o.proposals, "N", "Proposed moves for each patch in a sweep");
-  visit("rungs", o.tempering_levels, "N",
-        "Tempering levels of each chain: evidence to the power 1, 1/2, 1/4 ...");
+  visit("from_nothing", o.from_nothing, "",
+        "Start one more chain without any patch, as a judge of the others");
 }
 
 void visit_fields(MaybeConst<sketch::FillOptions> auto& o, auto&& visit) {

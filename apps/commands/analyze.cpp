@@ -53,6 +53,7 @@ void publish_events(const Analyze& asked, const pipeline::Analysis& found, const
   early.protect(inputs_of(asked));
   write_events(early, found, units);
   early.commit();
+  note_events(asked.output);
   std::error_code ignored;
   for (const char* name : {"report.html", "summary.json"})
     std::filesystem::remove(std::filesystem::path(asked.output) / name, ignored);

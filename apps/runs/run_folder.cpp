@@ -78,6 +78,10 @@ void note_done(const std::string& folder, const std::string& key) {
   io::write_columns(whole_run(folder), {key, {}, {}});
 }
 
+void note_events(const std::string& folder) {
+  io::write_columns(whole_run(folder), {"events", {}, {}});
+}
+
 void note_begun(const std::string& folder) {
   std::error_code ignored;
   fs::remove_all(whole_run(folder), ignored);

@@ -23,8 +23,10 @@ std::optional<RunKeys> run_keys(const std::string& clip, const std::string& revi
 
 /// Returns whether the folder holds all that a run with this key makes.
 bool is_done(const std::string& folder, const std::string& key);
-/// Notes that it does, or not yet.
+/// Notes that it does; that it does not yet; or that its events are there, the rest not yet: an interrupted
+/// run that kept nothing else is an earlier result, too.
 void note_done(const std::string& folder, const std::string& key);
 void note_begun(const std::string& folder);
+void note_events(const std::string& folder);
 
 }  // namespace emberfold::apps

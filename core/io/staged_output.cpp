@@ -21,7 +21,8 @@ namespace {
 
 /// True where one of the files that tell of a result begins as emberfold writes it.
 bool is_own_folder(const fs::path& folder) {
-  for (const char* name : {"summary.json", "model.json", "matrix.json", "stages/sketch/columns.json"}) {
+  for (const char* name : {"summary.json", "model.json", "matrix.json", "stages/sketch/columns.json",
+                           "stages/run/columns.json"}) {
     std::array<char, 256> head{};
     std::ifstream in(folder / name, std::ios::binary);
     in.read(head.data(), head.size());

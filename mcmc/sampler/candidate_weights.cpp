@@ -9,17 +9,31 @@
 
 namespace emberfold::mcmc {
 
-void weigh_candidates(HiddenGraph& state, const Evidence& evidence, const core::Context& context) {
-  const auto frames = static_cast<std::size_t>(state.frames());
-  std::vector<std::vector<Index>> nodes(frames);
-  for (Index i = 0; i < state.size(); ++i) nodes[static_cast<std::size_t>(state[i].frame)].push_back(i);
-  core::parallel_for(frames, context, [&](std::size_t t) {
+namespace {
+
+/// Returns the evidence of an edge between two candidates.
+double edge_evidence(std::span<const HiddenGraph> states, Index a, Index b) {
+  double joined = 0.5, apart = 0.5;
+  for (const HiddenGraph& state : states)
+    if (state.is_active(a) && state.is_active(b)) (state[a].edges.has(b) ? joined : apart) += 1;
+  return kEdgeEvidence * std::log(joined / apart);
+}
+
+}  // namespace
+
+void weigh_candidates(std::span<HiddenGraph> states, const Evidence& evidence, const core::Context& context) {
+  const HiddenGraph& first = states.front();
+  std::vector<std::vector<Index>> nodes(static_cast<std::size_t>(first.frames()));
+  for (Index i = 0; i < first.size(); ++i) nodes[static_cast<std::size_t>(first[i].frame)].push_back(i);
+  core::parallel_for(nodes.size(), context, [&](std::size_t t) {
     for (const Index i : nodes[t]) {
-      state.set_evidence(i, std::max(0.0, evidence.gain(static_cast<int>(t), state[i].patch)));
-      for (const NeighbourCandidate& near : state.neighbours(i))
-        if (i < near.node)
-          state.set_edge_evidence(i, near.node,
-                                  state[i].edges.has(near.node) ? kEdgeEvidence : -kEdgeEvidence);
+      const double gain = kGainShare * evidence.gain(static_cast<int>(t), first[i].patch);
+      for (HiddenGraph& state : states) state.set_evidence(i, std::clamp(gain, -kMostGain, kMostGain));
+      for (const NeighbourCandidate& near : first.neighbours(i)) {
+        if (near.node < i) continue;
+        const double nats = edge_evidence(states, i, near.node);
+        for (HiddenGraph& state : states) state.set_edge_evidence(i, near.node, nats);
+      }
     }
   });
 }

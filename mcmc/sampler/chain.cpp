@@ -30,21 +30,15 @@ std::vector<double> chances(bool last_frame) {
 
 }  // namespace
 
-Chain::Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number,
-             double evidence)
-    : state_(std::move(state)),
-      power_(evidence),
-      density_(theta, evidence),
-      seed_(seed),
-      number_(number),
-      counts_(moves().size()) {
+Chain::Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number)
+    : state_(std::move(state)), density_(theta), seed_(seed), number_(number), counts_(moves().size()) {
   cache_.enable(state_);
   density_.prepare(state_);
   log_density_ = density_.total(state_);
 }
 
 void Chain::set_theta(const SamplerParameters& theta) {
-  density_ = Density(theta, power_);
+  density_ = Density(theta);
   density_.prepare(state_);
   cache_.invalidate();
   log_density_.reset();
@@ -53,24 +47,6 @@ void Chain::set_theta(const SamplerParameters& theta) {
 double Chain::log_density() {
   if (!log_density_) log_density_ = density_.total(state_);
   return *log_density_;
-}
-
-double Chain::evidence() const {
-  double sum = 0;
-  for (int t = 0; t < state_.frames(); ++t)
-    for (const Index i : state_.active(t)) {
-      sum += state_[i].evidence;
-      for (const NeighbourCandidate& near : state_.neighbours(i))
-        if (i < near.node && state_[i].edges.has(near.node)) sum += double{near.evidence};
-    }
-  return sum;
-}
-
-void Chain::swap_states(Chain& other) {
-  std::swap(state_, other.state_);
-  density_.prepare(state_), other.density_.prepare(other.state_);
-  cache_.invalidate(), other.cache_.invalidate();
-  log_density_.reset(), other.log_density_.reset();
 }
 
 Chain::FrameTotals Chain::move_in(int frame, double proposals) {

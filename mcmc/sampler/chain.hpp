@@ -22,8 +22,7 @@ struct MoveCount {
 /// Runs one Markov chain over a HiddenGraph. The chain depends on (seed, number), not on threads.
 class Chain {
  public:
-  Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number,
-        double evidence = 1);
+  Chain(HiddenGraph state, const SamplerParameters& theta, std::uint64_t seed, std::uint32_t number);
 
   /// Makes `proposals` moves for every candidate, then draws all displacements anew.
   /// Frames that lie six apart are worked on at the same time. Cancelled between two groups of frames.
@@ -40,11 +39,6 @@ class Chain {
   /// The moves' gains keep it up to date; after a change of displacements or θ it is computed anew, O(nodes).
   double log_density();
   [[nodiscard]] const std::vector<MoveCount>& counts() const { return counts_; }  ///< by move
-  [[nodiscard]] double power() const { return power_; }
-  /// Returns the untempered evidence of the state's patches and edges, nats.
-  [[nodiscard]] double evidence() const;
-  /// Exchanges the states of two chains.
-  void swap_states(Chain& other);
 
  private:
   struct FrameTotals {
@@ -54,7 +48,6 @@ class Chain {
   FrameTotals move_in(int frame, double proposals);
 
   HiddenGraph state_;
-  double power_;
   Density density_;
   FactorCache cache_;
   std::uint64_t seed_;

@@ -94,7 +94,7 @@ double Density::outlier_probability(double z) {
   return wide / (wide + (1 - kOutlierShare) * std::exp(-0.5 * z * z));
 }
 
-Density::Density(const SamplerParameters& theta, double evidence) : theta_(theta), evidence_(evidence) {
+Density::Density(const SamplerParameters& theta) : theta_(theta) {
   for (std::size_t place = 0; place < kPlaces; ++place) {
     const double relative = std::exp2(0.5 * (static_cast<double>(place) - kPlaces / 2));
     for (std::size_t c = 0; c < kOutcomeContexts; ++c) {
@@ -323,7 +323,7 @@ double Density::log_presence(const HiddenGraph& g, Index w) const {
   const double growth = g[w].frame == 0     ? theta_.first_growth / 2
                         : g[w].prev.empty() ? theta_.growth[3] / 2
                                             : theta_.growth[parent_class(g, w)];
-  return evidence_ * g[w].evidence - growth;
+  return g[w].evidence - growth;
 }
 
 double Density::log_edge(const HiddenGraph& g, Index a, const NeighbourCandidate& b) const {
@@ -343,7 +343,7 @@ double Density::total(const HiddenGraph& g) const {
       frame += log_outcome(g, v) + log_birth_or_survival(g, v) + log_presence(g, v);
       for (const NeighbourCandidate& near : g.neighbours(v))
         if (v < near.node)
-          frame += log_edge(g, v, near) + (g[v].edges.has(near.node) ? edge_evidence(near) : 0);
+          frame += log_edge(g, v, near) + (g[v].edges.has(near.node) ? double{near.evidence} : 0);
     }
     return frame;
   });

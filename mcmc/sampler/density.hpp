@@ -41,8 +41,7 @@ double neighbour_displacement(const HiddenGraph& g, Index v);
 /// links, and to lengths in px, rad and logarithms.
 class Density {
  public:
-  /// Takes θ and the power of the evidence, 0…1; below 1 the density is tempered.
-  explicit Density(const SamplerParameters& theta, double evidence = 1);
+  explicit Density(const SamplerParameters& theta);
 
   [[nodiscard]] const SamplerParameters& theta() const { return theta_; }
   /// Returns the log probability of v's outcome.
@@ -53,10 +52,6 @@ class Density {
   [[nodiscard]] double log_displacement(const HiddenGraph& g, Index w) const;
   /// Returns w's evidence plus the log probability that nothing else grows from it.
   [[nodiscard]] double log_presence(const HiddenGraph& g, Index w) const;
-  /// Returns the evidence of an edge between two nodes, nats, times the power of the evidence.
-  [[nodiscard]] double edge_evidence(const NeighbourCandidate& b) const {
-    return evidence_ * double{b.evidence};
-  }
   /// Returns an upper bound of log_outcome().
   [[nodiscard]] double max_log_outcome() const { return max_outcome_; }
   /// Returns an upper bound of log_birth_or_survival() of nodes that have a past, or none, as w.
@@ -100,7 +95,6 @@ class Density {
   [[nodiscard]] double log_grown(const Node& from, const Node& w) const;
 
   SamplerParameters theta_;
-  double evidence_;
   bool prepared_ = false;
   double max_outcome_ = 0, max_survival_ = 0, max_birth_ = 0;
   /// [place][config][outcome], without and with nodes that it could merge into.

@@ -5,7 +5,7 @@
 
 namespace emberfold::mcmc {
 
-/// Defines the images' part of the posterior: log p(I | G) is the sum of the patches' gains.
+/// Defines what the images say of patches; the posterior takes a share of it (weigh_candidates).
 class Evidence {
  public:
   virtual ~Evidence() = default;

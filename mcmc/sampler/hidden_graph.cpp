@@ -156,8 +156,8 @@ void HiddenGraph::drop_newest_candidate() {
 }
 
 void HiddenGraph::add_neighbours(Index a, Index b) {
-  neighbours_[a].push_back({b, closeness(nodes_[a], nodes_[b]), precedes(b, a), 0});
-  neighbours_[b].push_back({a, closeness(nodes_[b], nodes_[a]), precedes(a, b), 0});
+  neighbours_[a].push_back({b, closeness(nodes_[a], nodes_[b]), precedes(b, a), false, 0});
+  neighbours_[b].push_back({a, closeness(nodes_[b], nodes_[a]), precedes(a, b), false, 0});
   if (!can_merge(a, neighbours_[a].back())) return;
   const Index host = precedes(a, b) ? a : b, guest = host == a ? b : a;
   hosts_[guest].push_back(host), guests_[host].push_back(guest);
@@ -204,6 +204,12 @@ void HiddenGraph::set_edge_evidence(Index a, Index b, double nats) {
 void HiddenGraph::allow_link(Index before, Index after) {
   if (linkable(before, after)) return;
   add_link_candidate(before, after);
+}
+
+void HiddenGraph::allow_together(Index a, Index b) {
+  for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+    for (NeighbourCandidate& near : neighbours_[from])
+      if (near.node == to) near.together = true;
 }
 
 bool HiddenGraph::can_link(Index v, Index w) const {
@@ -267,7 +273,7 @@ void HiddenGraph::undo_remove_edge(Index a, Index b, Places at) {
 void HiddenGraph::count_overlaps(Index i, int change) {
   if (gates_.overlap <= 0) return;
   for (const NeighbourCandidate& near : neighbours_[i])
-    if (overlaps(i, near.node))
+    if (!near.together && overlaps(i, near.node))
       nodes_[near.node].overlapped = static_cast<std::uint8_t>(nodes_[near.node].overlapped + change);
 }
 

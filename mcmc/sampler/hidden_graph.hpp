@@ -63,6 +63,7 @@ struct NeighbourCandidate {
   Index node = 0;
   std::uint8_t closeness = 0;  ///< below kCloseness
   bool earlier = false;        ///< it precedes the node whose neighbour it is (HiddenGraph::precedes)
+  bool together = false;       ///< both may be on though they overlap
   float evidence = 0;          ///< nats, for an edge between them
 };
 
@@ -179,6 +180,8 @@ class HiddenGraph {
   void allow_edge(Index a, Index b);
   void set_edge_evidence(Index a, Index b, double nats);
   void allow_link(Index before, Index after);
+  /// Lets two nodes of a frame that overlap be on together. Both must be off.
+  void allow_together(Index a, Index b);
   [[nodiscard]] bool overlaps(Index a, Index b) const;
   /// Sets the values of the maps at its place.
   void set_map_values(Index i, double log_birth, std::uint8_t place, graph::Point drift);
@@ -250,12 +253,12 @@ class HiddenGraph {
   std::vector<Index> at_;  ///< place in active_ or inactive_
 };
 
-/// Builds a state whose candidates are the patches of `start` and of `others`.
-/// Patches of the start are on, with its edges and links. Candidates of the others are off; those that
-/// overlap a patch of the start are left out. Edges and links of the start beyond the gates are allowed.
-/// Throws core::InputError where clips differ in size or length. O(patches log patches).
-HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph::SketchSequence> others,
-                         const Gates& gates);
+/// Builds a state of each start, all of them over the same candidates: the patches of all starts.
+/// A patch of a later start is the nearest candidate of its kind that it overlaps, if there is one. In each
+/// state the patches of its start are on, with their edges and links. Patches that overlap, edges and links
+/// beyond the gates are allowed where a start has them. Throws core::InputError for no start, and where clips
+/// differ in size or length. O(patches log patches) a start.
+std::vector<HiddenGraph> hidden_graphs(std::span<const graph::MotionGraph> starts, const Gates& gates);
 
 /// Returns the nodes that are on as a motion graph, with strokes identified.
 /// Links between strokes that too few patches support are left out, as in the match (graph::supported_links).

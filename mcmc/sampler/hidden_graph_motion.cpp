@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Conversion of a motion graph to a hidden graph, and back.
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/error.hpp"
@@ -12,68 +13,92 @@ namespace emberfold::mcmc {
 
 namespace {
 
-// Adds the patches of another sketch of the frame that overlap none of `nodes` (to which they are added), and
-// its edges.
-void add_others(HiddenGraph& state, const graph::AttributeGraph& other, int frame, std::vector<Index>& nodes,
-                const Gates& gates) {
+/// The candidates of a start's patches, by frame and vertex.
+using StartNodes = std::vector<std::vector<Index>>;
+
+/// Returns the candidate of each patch of a frame: one of `known` that it overlaps, each for one patch, or a
+/// new one, which becomes known.
+std::vector<Index> add_patches(HiddenGraph& state, const graph::AttributeGraph& shown, int frame,
+                               std::vector<Index>& known, const Gates& gates) {
   std::vector<graph::Point> places;
-  for (const Index i : nodes) places.push_back(state[i].patch.position);
+  for (const Index i : known) places.push_back(state[i].patch.position);
   const graph::detail::PointGrid near(places, std::max(gates.overlap, 0.5));
-  std::vector<Index> as;
-  for (const auto& vertex : other.vertices()) {
-    const graph::Point at = vertex.patch.position;
-    Index nearest = kNone;
-    for (const Index k : near.find_near(at))
-      if (state[nodes[k]].kind == kind(vertex.patch) &&
-          (nearest == kNone ||
-           graph::distance(places[k], at) < graph::distance(state[nearest].patch.position, at)))
-        nearest = nodes[k];
-    as.push_back(nearest != kNone ? nearest : state.add_candidate(frame, vertex.patch));
+  std::vector<bool> is_taken(places.size(), false);
+  std::vector<Index> nodes;
+  for (const auto& vertex : shown.vertices()) {
+    const auto apart = [&](std::size_t k) { return graph::distance(places[k], vertex.patch.position); };
+    std::optional<std::size_t> nearest;
+    for (const std::size_t k : near.find_near(vertex.patch.position))
+      if (!is_taken[k] && state[known[k]].kind == kind(vertex.patch) && apart(k) < gates.overlap &&
+          (!nearest || apart(k) < apart(*nearest)))
+        nearest = k;
+    if (nearest) is_taken[*nearest] = true;
+    nodes.push_back(nearest ? known[*nearest] : state.add_candidate(frame, vertex.patch));
+    if (!nearest) known.push_back(nodes.back());
   }
-  for (const auto& edge : other.edges()) {
-    const Index a = as[other.index_of(edge.a)], b = as[other.index_of(edge.b)];
-    if (a != b) state.allow_edge(a, b);
+  return nodes;
+}
+
+/// Visits the edges of a start and then its links, as pairs of candidates.
+template <class Edge, class Link>
+void visit_edges_and_links(const graph::MotionGraph& start, const StartNodes& nodes, const Edge& edge,
+                           const Link& link) {
+  const auto& frames = start.sketch.frames;
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    for (const auto& e : frames[t].edges())
+      edge(nodes[t][frames[t].index_of(e.a)], nodes[t][frames[t].index_of(e.b)]);
+    for (const auto& l : start.links[t])
+      link(nodes[t - 1][frames[t - 1].index_of(l.before)], nodes[t][frames[t].index_of(l.after)]);
   }
-  for (const Index i : as)
-    if (!state[i].active) nodes.push_back(i);
-  std::ranges::sort(nodes);
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+}
+
+/// Allows all that a start has.
+void allow(HiddenGraph& state, const graph::MotionGraph& start, const StartNodes& nodes) {
+  visit_edges_and_links(
+      start, nodes, [&](Index a, Index b) { state.allow_edge(a, b); },
+      [&](Index v, Index w) { state.allow_link(v, w); });
+  for (const auto& shown : nodes)
+    for (const Index a : shown)
+      for (const NeighbourCandidate& near : state.neighbours(a))
+        if (a < near.node && state.overlaps(a, near.node) &&
+            std::ranges::find(shown, near.node) != shown.end())
+          state.allow_together(a, near.node);
+}
+
+/// Puts on what a start has.
+void activate(HiddenGraph& state, const graph::MotionGraph& start, const StartNodes& nodes) {
+  for (const auto& shown : nodes)
+    for (const Index i : shown) state.activate(i);
+  visit_edges_and_links(
+      start, nodes,
+      [&](Index a, Index b) {
+        if (state.can_add_edge(a, b)) state.add_edge(a, b);
+      },
+      [&](Index v, Index w) {
+        if (state.can_link(v, w)) state.link(v, w);
+      });
 }
 
 }  // namespace
 
-HiddenGraph hidden_graph(const graph::MotionGraph& start, std::span<const graph::SketchSequence> others,
-                         const Gates& gates) {
-  const auto& sketch = start.sketch;
-  for (const auto& other : others)
-    if (other.width != sketch.width || other.height != sketch.height ||
-        other.frames.size() != sketch.frames.size())
-      throw core::InputError("hidden graph: the starts are of different clips");
-  HiddenGraph state(sketch.width, sketch.height, static_cast<int>(sketch.frames.size()), gates);
-  std::vector<Index> before;
-  for (std::size_t t = 0; t < sketch.frames.size(); ++t) {
-    const auto frame = static_cast<int>(t);
-    const auto& shown = sketch.frames[t];
-    std::vector<Index> now;
-    for (const auto& vertex : shown.vertices()) now.push_back(state.add_candidate(frame, vertex.patch));
-    std::vector<Index> nodes = now;
-    for (const Index i : now) state.activate(i);
-    for (const auto& edge : shown.edges()) {
-      const Index a = now[shown.index_of(edge.a)], b = now[shown.index_of(edge.b)];
-      state.allow_edge(a, b);
-      if (state.can_add_edge(a, b)) state.add_edge(a, b);
-    }
-    for (const auto& link : start.links[t]) {
-      const auto& past = sketch.frames[t - 1];
-      const Index v = before[past.index_of(link.before)], w = now[shown.index_of(link.after)];
-      state.allow_link(v, w);
-      if (state.can_link(v, w)) state.link(v, w);
-    }
-    for (const auto& other : others)
-      add_others(state, graph::without_anchors(other.frames[t]), frame, nodes, gates);
-    before = std::move(now);
+std::vector<HiddenGraph> hidden_graphs(std::span<const graph::MotionGraph> starts, const Gates& gates) {
+  if (starts.empty()) throw core::InputError("hidden graphs: there is no start");
+  const auto& first = starts.front().sketch;
+  for (const auto& start : starts)
+    if (start.sketch.width != first.width || start.sketch.height != first.height ||
+        start.sketch.frames.size() != first.frames.size())
+      throw core::InputError("hidden graphs: the starts are of different clips");
+  HiddenGraph all(first.width, first.height, static_cast<int>(first.frames.size()), gates);
+  std::vector<StartNodes> nodes(starts.size());
+  for (std::size_t t = 0; t < first.frames.size(); ++t) {
+    std::vector<Index> known;
+    for (std::size_t k = 0; k < starts.size(); ++k)
+      nodes[k].push_back(add_patches(all, starts[k].sketch.frames[t], static_cast<int>(t), known, gates));
   }
-  return state;
+  for (std::size_t k = 0; k < starts.size(); ++k) allow(all, starts[k], nodes[k]);
+  std::vector<HiddenGraph> states;
+  for (std::size_t k = 0; k < starts.size(); ++k) activate(states.emplace_back(all), starts[k], nodes[k]);
+  return states;
 }
 
 graph::MotionGraph motion_graph(const HiddenGraph& state, double fps) {

@@ -2,11 +2,17 @@
 #include "mcmc/sampler/infer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
+#include <iterator>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/error.hpp"
+#include "graph/events/events.hpp"
 #include "mcmc/sampler/candidate_weights.hpp"
 #include "mcmc/sampler/chain.hpp"
 #include "mcmc/sampler/prior.hpp"
@@ -29,77 +35,113 @@ double step_size(int sweep, int burn_in) {
   return sweep < whole ? 1 : std::pow(sweep - whole + 1, -0.7);
 }
 
-/// A chain with its statistics and θ, or a ladder of tempered chains.
-class TemperedChain {
- public:
-  TemperedChain(HiddenGraph state, const SamplerParameters& prior, std::uint64_t seed, std::uint32_t number,
-                int tempering_levels)
-      : prior_(prior), area_(double(state.width()) * state.height()), seed_(seed), number_(number) {
-    const SamplerParameters theta = widen_spreads(
-        with_displacement(most_likely_parameters(sufficient_statistics(state, Density(prior)), prior, area_),
-                          prior.displacement));
-    for (int r = 0; r < tempering_levels; ++r)
-      ladder_.emplace_back(state, theta, seed, number * 16 + static_cast<std::uint32_t>(r), std::exp2(-r));
-  }
+const HiddenGraph& state_of(const HiddenGraph& state) {
+  return state;
+}
+const HiddenGraph& state_of(const Chain& chain) {
+  return chain.state();
+}
 
+/// Returns the mean statistics of some states or chains under a θ.
+template <class Item>
+SufficientStatistics mean_statistics(std::span<const Item> items, const SamplerParameters& theta) {
+  SufficientStatistics mean;
+  double count = 0;
+  for (const Item& item : items)
+    mean.blend(sufficient_statistics(state_of(item), Density(theta)), 1 / ++count);
+  return mean;
+}
+
+/// Returns θ as the starts have it; the displacement's law is the prior's.
+SamplerParameters first_theta(std::span<const HiddenGraph> starts, const SamplerParameters& prior,
+                              double area) {
+  SamplerParameters theta = most_likely_parameters(mean_statistics(starts, prior), prior, area);
+  theta.displacement = prior.displacement;
+  return widen_spreads(theta);
+}
+
+/// The chains from the starts and perhaps one from nothing, of one θ, which is learned from the former.
+class Chains {
+ public:
+  Chains(std::vector<HiddenGraph> states, std::size_t learned_from, const SamplerParameters& prior,
+         std::uint64_t seed)
+      : learned_from_(learned_from), prior_(prior), area_(double(states[0].width()) * states[0].height()) {
+    const auto theta = first_theta(std::span<const HiddenGraph>(states).first(learned_from), prior, area_);
+    chains_.reserve(states.size());
+    for (HiddenGraph& state : states)
+      chains_.emplace_back(std::move(state), theta, seed, static_cast<std::uint32_t>(chains_.size()));
+  }
   void sweep(int number, const InferOptions& options, const core::Context& context) {
-    for (Chain& chain : ladder_) chain.sweep(options.proposals, context);
-    exchange(number);
-    if (number < options.burn_in) {
-      sums_.blend(sufficient_statistics(state(), Density(ladder_[0].theta())),
-                  step_size(number, options.burn_in));
-      const SamplerParameters theta = widen_spreads(most_likely_parameters(sums_, prior_, area_));
-      for (Chain& chain : ladder_) chain.set_theta(theta);
-    }
+    for (Chain& chain : chains_) chain.sweep(options.proposals, context);
+    if (number < options.burn_in) learn(step_size(number, options.burn_in));
   }
-  [[nodiscard]] const HiddenGraph& state() const { return ladder_[0].state(); }
-  Chain& chain() { return ladder_[0]; }
-  void add_counts(std::vector<MoveSum>& sums) const {
-    for (const Chain& chain : ladder_)
-      for (std::size_t m = 0; m < sums.size(); ++m) {
-        sums[m].tried += chain.counts()[m].tried, sums[m].evaluated += chain.counts()[m].evaluated;
-        sums[m].accepted += chain.counts()[m].accepted;
-      }
-  }
+  [[nodiscard]] std::size_t size() const { return chains_.size(); }
+  Chain& operator[](std::size_t k) { return chains_[k]; }
 
  private:
-  static SamplerParameters with_displacement(SamplerParameters theta, const Autoregression& displacement) {
-    theta.displacement = displacement;
-    return theta;
-  }
-  /// Exchanges the states of neighbours on the ladder, even and odd ones in turn.
-  void exchange(int sweep) {
-    for (std::size_t r = static_cast<std::size_t>(sweep % 2); r + 1 < ladder_.size(); r += 2) {
-      Chain &low = ladder_[r], &high = ladder_[r + 1];
-      const double gain = (low.power() - high.power()) * (high.evidence() - low.evidence());
-      core::Rng rng(
-          seed_, {static_cast<std::uint32_t>(sweep), static_cast<std::uint32_t>(r), (3U << 24U) | number_});
-      if (std::log1p(-rng.uniform()) < gain) low.swap_states(high);
-    }
+  /// Takes a step of the stochastic approximation.
+  void learn(double size) {
+    const auto learned_from = std::span<const Chain>(chains_).first(learned_from_);
+    sums_.blend(mean_statistics(learned_from, chains_[0].theta()), size);
+    const SamplerParameters theta = widen_spreads(most_likely_parameters(sums_, prior_, area_));
+    for (Chain& chain : chains_) chain.set_theta(theta);
   }
 
+  std::size_t learned_from_;
   SamplerParameters prior_;
   double area_;
-  std::uint64_t seed_;
-  std::uint32_t number_;
-  std::vector<Chain> ladder_;
+  std::vector<Chain> chains_;
   SufficientStatistics sums_;
 };
 
-/// Numbers recorded of a chain after each sweep.
-constexpr std::array<const char*, 8> kTraces = {"log posterior", "patches", "edges", "links", "a1", "a2",
-                                                "deaths",        "births"};
-std::array<double, kTraces.size()> trace_values(Chain& chain) {
+/// Numbers recorded of a chain after each sweep; the last six count its events of strokes.
+constexpr std::array<const char*, 12> kTraces = {
+    "log posterior", "patches", "edges",  "links",  "a1",       "a2",
+    "births",        "deaths",  "splits", "merges", "connects", "disconnects"};
+std::array<double, kTraces.size()> trace_values(Chain& chain, const graph::MotionGraph& drawn) {
   const HiddenGraph& g = chain.state();
-  double patches = 0, edges = 0, links = 0, deaths = 0, births = 0;
+  double patches = 0, edges = 0, links = 0;
   for (int t = 0; t < g.frames(); ++t)
     for (const Index i : g.active(t)) {
       patches += 1;
       edges += static_cast<double>(g[i].edges.size()) / 2, links += static_cast<double>(g[i].next.size());
-      deaths += t + 1 < g.frames() && g[i].next.empty(), births += t > 0 && g[i].prev.empty();
     }
-  return {chain.log_density(),           patches, edges, links, chain.theta().displacement.a1,
-          chain.theta().displacement.a2, deaths,  births};
+  std::array<double, kTraces.size()> values = {
+      chain.log_density(),          patches, edges, links, chain.theta().displacement.a1,
+      chain.theta().displacement.a2};
+  for (const graph::Event& event : graph::stroke_events(drawn))
+    ++values.at(6 + static_cast<std::size_t>(event.type));
+  return values;
+}
+
+void count_moves(Chains& chains, InferResult& result) {
+  for (const Move& move : moves()) result.moves.push_back({std::string(move.name), 0, 0, 0});
+  for (std::size_t k = 0; k < chains.size(); ++k)
+    for (std::size_t m = 0; m < result.moves.size(); ++m) {
+      const MoveCount& count = chains[k].counts()[m];
+      result.moves[m].tried += count.tried, result.moves[m].evaluated += count.evaluated;
+      result.moves[m].accepted += count.accepted;
+    }
+  for (const MoveSum& move : result.moves) result.proposals += move.evaluated;
+}
+
+/// The same candidates, all off.
+HiddenGraph without_patches(HiddenGraph state) {
+  for (int t = 0; t < state.frames(); ++t)
+    while (!state.active(t).empty()) {
+      const Index i = state.active(t).front();
+      while (!state[i].next.empty()) state.unlink(i, state[i].next[0]);
+      while (!state[i].prev.empty()) state.unlink(state[i].prev[0], i);
+      while (!state[i].edges.empty()) state.remove_edge(i, state[i].edges[0]);
+      state.deactivate(i);
+    }
+  return state;
+}
+
+/// Of `sweeps` after burn-in the last of each part is a sample.
+bool is_sample(int sweep, const InferOptions& options) {
+  const int kept = sweep - options.burn_in + 1;
+  return kept > 0 && kept * options.samples / options.sweeps > (kept - 1) * options.samples / options.sweeps;
 }
 
 }  // namespace
@@ -109,45 +151,37 @@ void InferOptions::validate() const {
   check(burn_in >= 1 && burn_in <= 100000, "burn_in", burn_in, "1…100000");
   check(samples >= 1 && samples <= sweeps, "samples", samples, "1 to the number of sweeps");
   check(proposals >= 0.01 && proposals <= 1000, "proposals", proposals, "0.01…1000");
-  check(tempering_levels >= 1 && tempering_levels <= 16, "rungs", tempering_levels, "1…16");
 }
 
 InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel& learned,
                   const Evidence& evidence, const InferOptions& options, std::uint64_t seed,
                   const core::Context& context) {
   options.validate();
-  if (starts.empty()) throw core::InputError("infer: there is no start");
-  for (const auto& start : starts)
-    if (start.sketch.width != starts[0].sketch.width || start.sketch.height != starts[0].sketch.height ||
-        start.sketch.frames.size() != starts[0].sketch.frames.size())
-      throw core::InputError("infer: the starts are of different clips");
+  std::vector<HiddenGraph> states = hidden_graphs(starts, {});
+  weigh_candidates(states, evidence, context);
+  for (HiddenGraph& state : states) apply_maps(state, learned);
+  if (options.from_nothing) states.push_back(without_patches(states[0]));
+  const std::clock_t begun = std::clock();
+  Chains chains(std::move(states), starts.size(), prior_parameters(starts[0], learned), seed);
   InferResult result;
-  result.burn_in = options.burn_in;
-  for (const char* name : kTraces) result.traces.push_back({name, {}});
-  for (const Move& move : moves()) result.moves.push_back({std::string(move.name), 0, 0, 0});
+  result.burn_in = options.burn_in, result.chains = static_cast<int>(chains.size());
+  for (const char* name : kTraces)
+    result.traces.push_back({name, std::vector<std::vector<double>>(chains.size())});
+  std::vector<std::vector<graph::MotionGraph>> samples(chains.size());
   const int sweeps = options.burn_in + options.sweeps;
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    HiddenGraph state = hidden_graph(starts[k], {}, {});
-    weigh_candidates(state, evidence, context);
-    apply_maps(state, learned);
-    const std::clock_t begun = std::clock();
-    TemperedChain sampler(std::move(state), prior_parameters(starts[k], learned), seed,
-                          static_cast<std::uint32_t>(k), options.tempering_levels);
-    for (Trace& trace : result.traces) trace.chains.emplace_back();
-    for (int n = 0; n < sweeps; ++n) {
-      context.report("sample", (static_cast<double>(k) + double(n) / sweeps) / double(starts.size()));
-      sampler.sweep(n, options, context);
-      const auto values = trace_values(sampler.chain());
-      for (std::size_t i = 0; i < values.size(); ++i) result.traces[i].chains.back().push_back(values[i]);
-      const int kept = n - options.burn_in + 1;  // of `sweeps`, the last of each part is a sample
-      if (kept > 0 && kept * options.samples / options.sweeps > (kept - 1) * options.samples / options.sweeps)
-        result.samples.push_back(motion_graph(sampler.state(), starts[k].sketch.fps));
+  for (int n = 0; n < sweeps; ++n) {
+    context.report("sample", double(n) / sweeps);
+    chains.sweep(n, options, context);
+    for (std::size_t k = 0; k < chains.size(); ++k) {
+      auto drawn = motion_graph(chains[k].state(), starts[0].sketch.fps);
+      const auto values = trace_values(chains[k], drawn);
+      for (std::size_t i = 0; i < values.size(); ++i) result.traces[i].chains[k].push_back(values[i]);
+      if (is_sample(n, options)) samples[k].push_back(std::move(drawn));
     }
-    sampler.add_counts(result.moves);
-    result.seconds += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
-    ++result.chains;
   }
-  for (const MoveSum& move : result.moves) result.proposals += move.evaluated;
+  for (auto& of_chain : samples) std::ranges::move(of_chain, std::back_inserter(result.samples));
+  count_moves(chains, result);
+  result.seconds = static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
   return result;
 }
 

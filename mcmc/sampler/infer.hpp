@@ -15,11 +15,11 @@ namespace emberfold::mcmc {
 
 /// Options of infer().
 struct InferOptions {
-  int sweeps = 10;           ///< 1…100000: of each chain after burn-in
-  int burn_in = 10;          ///< 1…100000: sweeps of each chain in which θ is learned and nothing is kept
-  int samples = 5;           ///< 1…sweeps: kept of each chain, evenly spread
-  double proposals = 8;      ///< 0.01…1000: moves for every candidate patch in a sweep
-  int tempering_levels = 1;  ///< 1…16 per chain: evidence to the power 1, ½, ¼ …
+  int sweeps = 20;            ///< 1…100000: of each chain after burn-in
+  int burn_in = 20;           ///< 1…100000: sweeps of each chain in which θ is learned and nothing is kept
+  int samples = 5;            ///< 1…sweeps: kept of each chain, evenly spread
+  double proposals = 8;       ///< 0.01…1000: moves for every candidate patch in a sweep
+  bool from_nothing = false;  ///< one more chain starts without any patch, as a judge of the others
 
   /// Throws core::InputError, naming the field, for a number out of its range.
   void validate() const;
@@ -27,7 +27,7 @@ struct InferOptions {
 
 /// Holds one number of every sweep of every chain, burn-in first, for plots and diagnostics.
 struct Trace {
-  std::string name;                         ///< "log posterior", "patches", "a1", …
+  std::string name;                         ///< "log posterior", "patches", "a1", "births", …
   std::vector<std::vector<double>> chains;  ///< [chain][sweep]
 };
 
@@ -49,10 +49,11 @@ struct InferResult {
 };
 
 /// Samples the posterior of graphs and links given the images, with one chain from each start.
-/// The starts are matched graphs of one clip. θ of the sampler is learned meanwhile by stochastic
-/// approximation EM (docs/method/sampler.md). `learned`, fitted to one of the starts, gives maps, drift, and
-/// the first estimate of the displacement's law. The same bytes at any thread count. Throws core::InputError
-/// for no start, or starts of different clips. O(sweeps · candidates).
+/// The starts are matched graphs of one clip. All chains draw from one density over the same candidates, so
+/// that they can be compared; its θ is learned from all of them meanwhile by stochastic approximation EM
+/// (docs/method/sampler.md). `learned`, fitted to one of the starts, gives maps, drift, and the first
+/// estimate of the displacement's law. The same bytes at any thread count. Throws core::InputError for no
+/// start, or starts of different clips. O(sweeps · candidates).
 InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel& learned,
                   const Evidence& evidence, const InferOptions& options, std::uint64_t seed,
                   const core::Context& context = {});

@@ -260,7 +260,7 @@ double StateChange::gain(double least) {
 
 double StateChange::edge_evidence(Index a, Index b) const {
   const auto near = std::ranges::find(g_.neighbours(a), b, &NeighbourCandidate::node);
-  return near == g_.neighbours(a).end() ? 0 : density_.edge_evidence(*near);
+  return near == g_.neighbours(a).end() ? 0 : double{near->evidence};
 }
 
 void StateChange::add(const Step& step) {

@@ -267,7 +267,7 @@ void bind_mcmc(py::module_& module) {
       .field("burn_in", &Infer::burn_in)
       .field("samples", &Infer::samples)
       .field("proposals", &Infer::proposals)
-      .field("tempering_levels", &Infer::tempering_levels)
+      .field("from_nothing", &Infer::from_nothing)
       .finish();
   module.def(
       "rate_interval",

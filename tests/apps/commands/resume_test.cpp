@@ -126,3 +126,37 @@ TEST_CASE("the model of a run that is drawn from stays as it is, and its correct
   CHECK(bytes_of(temp / "a/frame_00003.png") == bytes_of(temp / "b/frame_00003.png"));
   CHECK(bytes_of(model / "model.json") == before);
 }
+
+TEST_CASE("every way of finding events ends with a whole run, in a new folder and over another one") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip.avi", {64, 48}, 8, 9);
+  const std::vector<std::vector<std::string>> ways = {
+      {"--quality", "draft"}, {"--quality", "sure"}, {"--sample"}, {"--curve-events"}};
+  for (std::size_t k = 0; k < ways.size(); ++k)
+    for (const std::string& folder : {"new" + std::to_string(k), std::string("one")}) {
+      std::vector<std::string> words = {"analyze", clip, "-o", (temp / folder).string(), "--no-edges"};
+      words.insert(words.end(), ways[k].begin(), ways[k].end());
+      const auto ended = run_command(words);
+      INFO(ways[k].back() << " in " << folder << ": " << ended.err);
+      CHECK(ended.exit == 0);
+      CHECK(fs::exists(temp / folder / "report.html"));
+      CHECK(summary_of(temp / folder).contains("sampler") == (ways[k].back() == "--sample"));
+    }
+}
+
+TEST_CASE("a run of which only the events are there is an earlier result") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip.avi", {64, 48}, 8, 9);
+  const std::vector<std::string> words = {"analyze",   clip,  "-o", (temp / "run").string(),
+                                          "--quality", "sure"};
+  CommandOptions options;
+  options.signal = SIGKILL;
+  options.interrupt_if = [&] { return fs::exists(temp / "run/stages/run/columns.json"); };
+  static_cast<void>(run_command(words, options));
+  fs::remove_all(temp / "run/stages/motion"), fs::remove_all(temp / "run/stages/model");
+  fs::remove(temp / "run/summary.json");
+  REQUIRE(fs::exists(temp / "run/events.json"));
+  const auto again = run_command(words);
+  INFO(again.err);
+  CHECK(again.exit == 0);
+}

@@ -44,7 +44,7 @@ std::optional<Found> sampled_events(const EventClip& clip) {
   const auto sketches = pipeline::sketch_starts(source, {}, options, 1, {});
   const std::clock_t begin = std::clock();
   const auto starts = pipeline::match_starts(sketches, {}, options, {});
-  auto sampled = mcmc::sample_chains(starts, pipeline::backward_readings(options), {}, 1, {});
+  auto sampled = mcmc::sample_chains(starts, {}, 1, {});
   auto motion = sampled.last.front();
   const auto readings = pipeline::sampled_readings(sketches.clip.sketch, std::move(sampled.last), {});
   Found found{pipeline::event_posterior(source, readings), 0, 0, 0, {}};

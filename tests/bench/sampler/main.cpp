@@ -100,8 +100,9 @@ graph::SketchSequence to_and_fro(const graph::SketchSequence& clip, int frames) 
 /// A chain as `analyze` begins one.
 mcmc::Chain begin(const graph::MotionGraph& start, mcmc::SamplerParameters& prior) {
   const auto learned = mcmc::fit(start, {1, false}).model;
-  auto state = mcmc::hidden_graph(start, {}, {});
-  mcmc::weigh_candidates(state, mcmc::SketchEvidence{});
+  auto states = mcmc::hidden_graphs({&start, 1}, {});
+  mcmc::weigh_candidates(states, mcmc::SketchEvidence{});
+  mcmc::HiddenGraph& state = states.front();
   mcmc::apply_maps(state, learned);
   prior = mcmc::prior_parameters(start, learned);
   const auto theta = mcmc::widen_spreads(

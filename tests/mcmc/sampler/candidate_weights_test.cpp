@@ -31,6 +31,34 @@ TEST_CASE("Candidates have the births, deaths and drift of their places", "[mcmc
   }
 }
 
+TEST_CASE("Patches count a share of their gain, edges as often as the starts have them", "[mcmc]") {
+  HiddenGraph g(64, 48, 1, Gates{});
+  const double gains[] = {50, 400, -30};
+  for (int k = 0; k < 3; ++k) {
+    graph::Patch one = test::patch(10 + 5 * k, 20);
+    one.gain = static_cast<float>(gains[k]);
+    g.add_candidate(0, one);
+  }
+  std::vector<HiddenGraph> states(3, g);
+  for (HiddenGraph& state : states) state.activate(0), state.activate(1);
+  states[0].add_edge(0, 1), states[1].add_edge(0, 1);
+  states[0].activate(2), states[0].add_edge(1, 2);
+  mcmc::weigh_candidates(states, mcmc::SketchEvidence{});
+  for (const HiddenGraph& state : states) {
+    CHECK_THAT(state[0].evidence, WithinAbs(5, 1e-6));
+    CHECK(state[1].evidence == 12);
+    CHECK_THAT(state[2].evidence, WithinAbs(-3, 1e-6));
+    const auto evidence = [&](Index a, Index b) {
+      for (const auto& near : state.neighbours(a))
+        if (near.node == b) return double{near.evidence};
+      return -1000.0;
+    };
+    CHECK_THAT(evidence(0, 1), WithinAbs(8 * std::log(2.5 / 1.5), 1e-5));  // two joined, one apart
+    CHECK_THAT(evidence(2, 1), WithinAbs(8 * std::log(3.0), 1e-5));   // one joined, and no other has both
+    CHECK_THAT(evidence(0, 2), WithinAbs(-8 * std::log(3.0), 1e-5));  // one apart
+  }
+}
+
 TEST_CASE("Spreads of a prior are wider than those learned, none narrower than a look needs", "[mcmc]") {
   SamplerParameters learned;
   learned.turn = 0.1, learned.flicker = 0.2, learned.across = 0.4;

@@ -2,6 +2,7 @@
 #include "mcmc/sampler/chain.hpp"
 
 #include <cmath>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -43,6 +44,12 @@ std::vector<graph::MotionGraph> swaying_starts() {
   auto motion = test::make(scene, 5).motion;
   return {motion, motion};
 }
+
+/// Images that show every candidate.
+class AllShown final : public mcmc::Evidence {
+ public:
+  [[nodiscard]] double gain(int /*frame*/, const graph::Patch& /*patch*/) const override { return 100; }
+};
 
 /// How strokes grow, close up and look where they begin, as the truth has it: |z| < 4.5.
 void check_growth(const mcmc::SufficientStatistics& mean, const mcmc::SamplerParameters& found,
@@ -198,8 +205,33 @@ TEST_CASE("infer samples every chain and tells of it", "[mcmc][chain]") {
   const core::ThreadLimit limit(2);
   const auto again = mcmc::infer(starts, learned, mcmc::SketchEvidence{}, options, 9);
   CHECK(again.samples == result.samples);
-  options.tempering_levels = 2;
-  CHECK(mcmc::infer(starts, learned, mcmc::SketchEvidence{}, options, 9).samples.size() == 6);
+}
+
+TEST_CASE("All chains have one theta, and one that starts from nothing comes to the graphs of the others",
+          "[mcmc][chain]") {
+  const auto starts = swaying_starts();
+  const auto learned = mcmc::fit(starts[0], {9, false}).model;
+  mcmc::InferOptions options;
+  options.burn_in = 60, options.sweeps = 20, options.samples = 1, options.from_nothing = true;
+  const auto result = mcmc::infer(starts, learned, AllShown{}, options, 9);
+  REQUIRE(result.chains == 3);
+  const auto trace = [&](const char* name) {
+    return std::ranges::find(result.traces, name, &mcmc::Trace::name)->chains;
+  };
+  for (const char* name : {"a1", "a2"}) {
+    CHECK(trace(name)[1] == trace(name)[0]);
+    CHECK(trace(name)[2] == trace(name)[0]);
+  }
+  CHECK(trace("patches")[2].front() < 0.8 * trace("patches")[0].front());
+  for (const char* name : {"patches", "edges", "links"}) {
+    const auto mean = [&](std::size_t k) {
+      const auto chain = trace(name)[k];
+      return std::accumulate(chain.end() - 20, chain.end(), 0.0) / 20;
+    };
+    INFO(name << ": " << mean(0) << ", " << mean(1) << ", from nothing " << mean(2));
+    CHECK_THAT(mean(2), WithinRel(mean(0), 0.02));
+    CHECK_THAT(mean(1), WithinRel(mean(0), 0.02));
+  }
 }
 
 TEST_CASE("infer learns theta from what sways, and only during burn-in", "[mcmc][chain]") {
@@ -237,5 +269,4 @@ TEST_CASE("infer refuses what it cannot do", "[mcmc][chain]") {
   refuse([](auto& o) { o.burn_in = 0; });
   refuse([](auto& o) { o.samples = o.sweeps + 1; });
   refuse([](auto& o) { o.proposals = std::nan(""); });
-  refuse([](auto& o) { o.tempering_levels = 17; });
 }

@@ -29,7 +29,6 @@ TEST_CASE("A stroke begins sways in its stationary law and dies", "[mcmc][densit
                           std::log(normal(0.7, std::sqrt(stationary(t)))) +
                           std::log(chance(t, 0, 0, mcmc::Outcome::death, false));
   CHECK_THAT(Density(t).total(g), WithinAbs(expected + 3.5, kTight));
-  CHECK_THAT(Density(t, 0.25).total(g), WithinAbs(expected + 3.5 / 4, kTight));
   // In the last frame nobody asks what becomes of it.
   HiddenGraph late(60, 40, 2, {12, 12, 0});
   const Index w = shown(late, 1, patch(30, 20, 0.3, -25));

@@ -181,10 +181,6 @@ TEST_CASE("Ratios hold among all kinds at the border where patches overlap", "[m
   require_right_together(mixed(), Density(test::even_theta()), all_but(), 500);
 }
 
-TEST_CASE("Ratios hold where the evidence is tempered", "[mcmc][ratios]") {
-  require_right_together(three_frames(), Density(test::even_theta(), 0.3), all_but(), 398);
-}
-
 TEST_CASE("Ratios hold where a patch shares four edges with two candidates", "[mcmc][ratios]") {
   const std::vector<CheckedMove> shares = {test::checked(test::move_named("split, merge"))};
   require_right_together(fan(), Density(test::even_theta()), shares, 100);

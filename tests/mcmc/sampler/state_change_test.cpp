@@ -57,7 +57,7 @@ TEST_CASE("Each step gains what the whole density gains", "[mcmc][edit]") {
   int impossible = 0;
   for (std::uint32_t number = 0; number < 60; ++number) {
     const bool borders = number % 2 == 1;
-    const Density density(borders ? test::even_theta() : test::lively_theta(), borders ? 0.4 : 1);
+    const Density density(borders ? test::even_theta() : test::lively_theta());
     HiddenGraph g = test::drawn_state(number, 4, borders ? 25 : 50, 20, number % 3 == 0 ? 2 : 0);
     core::Rng rng(21, {number, 0, 0});
     mcmc::FactorCache cache;
@@ -189,7 +189,7 @@ TEST_CASE("A gain that is asked for from a level on is the gain or lies below it
   for (std::uint32_t number = 0; number < 12; ++number) {
     auto theta = number % 2 == 0 ? test::lively_theta() : test::even_theta();
     theta.displacement.coupling = number % 3 == 0 ? 0.1 : 0;
-    Density density(theta, number % 4 == 3 ? 0.5 : 1);
+    Density density(theta);
     HiddenGraph g = test::drawn_state(200 + number, 5, 50, 30, 1.5);
     if (number < 6) density.prepare(g);
     mcmc::FactorCache cache;
