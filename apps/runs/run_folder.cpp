@@ -83,8 +83,8 @@ void note_events(const std::string& folder) {
 }
 
 void note_begun(const std::string& folder) {
-  std::error_code ignored;
-  fs::remove_all(whole_run(folder), ignored);
+  std::error_code error;
+  if (fs::exists(whole_run(folder), error)) io::write_columns(whole_run(folder), {"begun", {}, {}});
 }
 
 }  // namespace emberfold::apps
