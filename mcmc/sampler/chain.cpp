@@ -17,11 +17,19 @@ constexpr int kApart = 6;  // frames: a move at t touches t … t + 1 and reads 
 // ones.
 enum Purpose : std::uint32_t { kMoves = 1U << 24U, kDisplacements = 2U << 24U };
 
-std::vector<double> chances(bool last_frame) {
+double sum_of_weights(bool over_time) {
+  double sum = 0;
+  for (const Move& move : moves())
+    if (move.over_time == over_time) sum += move.weight;
+  return sum;
+}
+
+/// Returns the probabilities of the moves within a few frames, or of those over time.
+std::vector<double> chances(bool over_time, bool last_frame) {
   std::vector<double> weights;
   double sum = 0;
   for (const Move& move : moves()) {
-    weights.push_back(last_frame && move.between_frames ? 0 : move.weight);
+    weights.push_back(move.over_time != over_time || (last_frame && move.between_frames) ? 0 : move.weight);
     sum += weights.back();
   }
   for (double& w : weights) w /= sum;
@@ -49,14 +57,15 @@ double Chain::log_density() {
   return *log_density_;
 }
 
-Chain::FrameTotals Chain::move_in(int frame, double proposals) {
+Chain::FrameTotals Chain::move_in(int frame, double proposals, bool over_time) {
   FrameTotals totals;
   totals.counts.resize(moves().size());
   const auto frames = static_cast<std::uint32_t>(state_.frames()), t = static_cast<std::uint32_t>(frame);
-  core::Rng rng(seed_, {sweeps_, t, kMoves | number_});
+  const std::uint32_t part = over_time ? frames + t : t;
+  core::Rng rng(seed_, {sweeps_, part, kMoves | number_});
   RandomChoices draws(rng);
-  StateChange change(state_, density_, cache_, sweeps_ * frames + t);
-  const auto weights = chances(t + 1 == frames);
+  StateChange change(state_, density_, cache_, 2 * sweeps_ * frames + part);
+  const auto weights = chances(over_time, t + 1 == frames);
   // As many moves as candidates, on or off: a number that depends on the state would bias the chain.
   const auto count = static_cast<std::size_t>(std::ceil(
       proposals * static_cast<double>(state_.active(frame).size() + state_.inactive(frame).size())));
@@ -91,9 +100,12 @@ void Chain::move(double proposals, const core::Context& context) {
     const int count = (state_.frames() - colour + kApart - 1) / kApart;
     core::parallel_for(static_cast<std::size_t>(std::max(0, count)), context, [&](std::size_t k) {
       const int frame = colour + static_cast<int>(k) * kApart;
-      frame_totals[static_cast<std::size_t>(frame)] = move_in(frame, proposals);
+      frame_totals[static_cast<std::size_t>(frame)] = move_in(frame, proposals, false);
     });
   }
+  const double share = sum_of_weights(true) / sum_of_weights(false);
+  for (int frame = 0; frame < state_.frames(); ++frame)
+    frame_totals.push_back(move_in(frame, share * proposals, true));
   for (const FrameTotals& totals : frame_totals) {
     if (log_density_) *log_density_ += totals.gain;
     for (std::size_t m = 0; m < counts_.size(); ++m) counts_[m] += totals.counts[m];

@@ -45,7 +45,8 @@ class Chain {
     double gain = 0;
     std::vector<MoveCount> counts;
   };
-  FrameTotals move_in(int frame, double proposals);
+  /// Makes moves from a frame on: those within a few frames, or those over time.
+  FrameTotals move_in(int frame, double proposals, bool over_time);
 
   HiddenGraph state_;
   Density density_;

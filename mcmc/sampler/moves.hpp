@@ -23,6 +23,7 @@ struct Move {
   Propose propose;
   double weight = 1;            ///< how often it is tried, relative to the others
   bool between_frames = false;  ///< it needs a next frame
+  bool over_time = false;       ///< it may change and read any later frame
 };
 /// Lists all moves (Wang & Zhu 2004 name seven: switch, connect, cut, split, merge, add, delete).
 std::span<const Move> moves();
@@ -40,6 +41,10 @@ std::optional<double> connect_or_cut(StateChange& change, ChoiceSource& draws, i
 std::optional<double> add_or_delete(StateChange& change, ChoiceSource& draws, int frame);
 /// Splits off some of a patch's edges, and perhaps its past, to a candidate beside it; or merges a neighbour.
 std::optional<double> split_or_merge(StateChange& change, ChoiceSource& draws, int frame);
+
+/// Adds patches that follow each other from `frame` on, joined to nothing, or deletes such a track
+/// (move_tracks.cpp).
+std::optional<double> add_or_delete_track(StateChange& change, ChoiceSource& draws, int frame);
 
 // Whole stretches of curves (move_strokes.cpp).
 /// Moves each patch's past along a curve to its neighbour.

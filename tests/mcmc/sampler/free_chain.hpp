@@ -165,7 +165,7 @@ class FreeChain {
     change_.set_displacement(i, g_[i].displacement + 0.6 * rng_.normal());
     accept(0);
   }
-  /// Any of them; `patches`: also those that add patches or take them out.
+  /// Any of them that work on patches anywhere; `patches`: also those that add patches or take them out.
   void step(bool patches) {
     const auto all = mcmc::moves();
     // Patches are hardest to move: half of the steps are theirs.
@@ -176,7 +176,8 @@ class FreeChain {
     std::array<const mcmc::Move*, 7> ties{};
     std::size_t n = 0;
     for (const auto& move : all)
-      if (move.propose != mcmc::add_or_delete && move.propose != mcmc::split_or_merge) ties[n++] = &move;
+      if (!move.over_time && move.propose != mcmc::add_or_delete && move.propose != mcmc::split_or_merge)
+        ties[n++] = &move;
     step(*ties[which]);
   }
   [[nodiscard]] std::size_t accepted() const { return accepted_; }

@@ -126,8 +126,9 @@ std::vector<CheckedMove> all_but(const std::vector<std::string_view>& left_out =
     if (std::ranges::find(left_out, move.name) == left_out.end()) moves.push_back(test::checked(move));
   return moves;
 }
-const std::vector<std::string_view> kPatchMoves = {"add, delete", "split, merge"};
-const std::vector<std::string_view> kAllButLinks = {"add, delete", "split, merge", "connect, cut"};
+const std::vector<std::string_view> kPatchMoves = {"add, delete", "add, delete tracks", "split, merge"};
+const std::vector<std::string_view> kAllButLinks = {"add, delete", "add, delete tracks", "split, merge",
+                                                    "connect, cut"};
 
 void require_right(const RatioReport& r) {
   INFO(r.states << " states, " << r.transitions << " transitions, ratio " << r.worst_ratio << ", balance "

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Moves forwards and backwards between states of displaced patches at arbitrary places.
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "tests/mcmc/sampler/small_models.hpp"
 #include "tests/support/catch.hpp"
@@ -17,13 +20,13 @@ struct Ways {
   std::vector<double> claimed;  ///< ratios, of each
 };
 
-/// All draws of the move that lead from one state to the other, each normal draw being `displacement`.
-Ways ways(HiddenGraph g, const Density& density, const Move& move, int frame, double displacement,
-          const HiddenGraph& to) {
+/// All draws of the move that lead from one state to the other, normal draws being `displacements`.
+Ways ways(HiddenGraph g, const Density& density, const Move& move, int frame,
+          const std::vector<double>& displacements, const HiddenGraph& to) {
   mcmc::FactorCache cache;
   cache.resize(g.size());
   StateChange change(g, density, cache);
-  AllDraws draws(displacement);
+  AllDraws draws(displacements);
   Ways result;
   const auto goal = to.hash();
   do {
@@ -37,11 +40,16 @@ Ways ways(HiddenGraph g, const Density& density, const Move& move, int frame, do
   return result;
 }
 
-/// The displacement of the patch that one of the states has and the other has not; 0 where there is none.
-double added_displacement(const HiddenGraph& a, const HiddenGraph& b) {
+/// The displacements of the patches that one of the states has and the other has not, by frame.
+std::vector<double> added_displacements(const HiddenGraph& a, const HiddenGraph& b) {
+  std::vector<std::pair<int, double>> added;
   for (Index i = 0; i < a.size(); ++i)
-    if (a[i].active != b[i].active) return a[i].active ? a[i].displacement : b[i].displacement;
-  return 0;
+    if (a[i].active != b[i].active)
+      added.emplace_back(a[i].frame, a[i].active ? a[i].displacement : b[i].displacement);
+  std::ranges::stable_sort(added, {}, &std::pair<int, double>::first);
+  std::vector<double> displacements;
+  for (const auto& one : added) displacements.push_back(one.second);
+  return displacements;
 }
 
 /// Makes moves at random, each tried back and forth.
@@ -66,9 +74,9 @@ void there_and_back(HiddenGraph g, std::uint32_t number, int times, bool strokes
       continue;
     }
     change.commit();
-    const double displacement = added_displacement(was, g);
-    const Ways there = ways(was, density, move, frame, displacement, g);
-    const Ways back = ways(g, density, move, frame, displacement, was);
+    const auto displacements = added_displacements(was, g);
+    const Ways there = ways(was, density, move, frame, displacements, g);
+    const Ways back = ways(g, density, move, frame, displacements, was);
     INFO(move.name << " in state " << number << " after " << n);
     REQUIRE(!there.claimed.empty());
     REQUIRE(!back.claimed.empty());

@@ -111,7 +111,8 @@ inline Index row(HiddenGraph& g, int frame, int count, double x, double y, bool 
 /// in turn.
 class AllDraws final : public mcmc::ChoiceSource {
  public:
-  explicit AllDraws(double normal) : normal_(normal) {}
+  /// `normals`: what normal draws give, in their order.
+  explicit AllDraws(std::vector<double> normals) : normals_(std::move(normals)) {}
   std::size_t below(std::size_t count) override {
     return branch(std::vector<double>(count, 1 / static_cast<double>(count)));
   }
@@ -119,14 +120,15 @@ class AllDraws final : public mcmc::ChoiceSource {
     return branch({weights.begin(), weights.end()});
   }
   double normal(double mean, double sd) override {
-    const double z = (normal_ - mean) / sd;
+    const double drawn = next_ < normals_.size() ? normals_[next_] : 0, z = (drawn - mean) / sd;
+    ++next_;
     chance_ *= std::exp(-0.5 * z * z) / (sd * std::sqrt(2 * std::numbers::pi));
-    return normal_;
+    return drawn;
   }
   [[nodiscard]] double chance() const { return chance_; }
   /// On to the next way; false after the last.
   bool advance() {
-    chance_ = 1, at_ = 0;
+    chance_ = 1, at_ = next_ = 0;
     while (!taken_.empty() && taken_.back() + 1 == counts_.back()) taken_.pop_back(), counts_.pop_back();
     if (taken_.empty()) return false;
     ++taken_.back();
@@ -139,9 +141,10 @@ class AllDraws final : public mcmc::ChoiceSource {
     chance_ *= weights[taken_[at_]];
     return taken_[at_++];
   }
-  double normal_, chance_ = 1;
+  std::vector<double> normals_;
+  double chance_ = 1;
   std::vector<std::size_t> taken_, counts_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0, next_ = 0;
 };
 
 /// A move of moves(), as the checker takes it.
