@@ -8,7 +8,7 @@
 
 #include "mcmc/sampler/hidden_graph.hpp"
 
-// Helpers that count and pick for the moves.
+// Helpers that count, pick and draw for the moves.
 namespace emberfold::mcmc {
 
 /// Returns log n; −∞ for 0.
@@ -35,5 +35,16 @@ Index nth(std::span<const Index> list, std::size_t n, Keep keep) {
     if (keep(i) && n-- == 0) return i;
   return kNone;
 }
+
+/// Holds the normal distribution that a move draws a displacement from, px.
+struct NormalProposal {
+  double mean = 0, sd = 1;
+
+  [[nodiscard]] double log_density(double displacement) const {
+    constexpr double kHalfLogTwoPi = 0.9189385332046727;
+    const double z = (displacement - mean) / sd;
+    return -0.5 * z * z - std::log(sd) - kHalfLogTwoPi;
+  }
+};
 
 }  // namespace emberfold::mcmc

@@ -5,7 +5,6 @@
 
 #include "mcmc/sampler/choose.hpp"
 #include "mcmc/sampler/moves.hpp"
-#include "mcmc/sampler/normal_proposal.hpp"
 
 namespace emberfold::mcmc {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "mcmc/sampler/choose.hpp"
 #include "mcmc/sampler/moves.hpp"
-#include "mcmc/sampler/normal_proposal.hpp"
 
 namespace emberfold::mcmc {
 
@@ -59,8 +59,7 @@ std::optional<double> add_track(StateChange& change, ChoiceSource& draws, int fr
     chance += proposal.log_density(displacement) + std::log(steps.chances[step]);
     before = i, i = steps.to[step];
   }
-  return std::log(static_cast<double>(choices)) - std::log(static_cast<double>(g.active(frame).size())) -
-         chance;
+  return log_count(choices) - log_count(g.active(frame).size()) - chance;
 }
 
 /// Returns the patches of a track from its first one on; none if one of them is joined to others, or linked
@@ -94,8 +93,7 @@ std::optional<double> delete_track(StateChange& change, ChoiceSource& draws, int
     change.deactivate(i);
     after = i;
   }
-  return std::log(static_cast<double>(choices)) - std::log(static_cast<double>(g.inactive(frame).size())) +
-         chance;
+  return log_count(choices) - log_count(g.inactive(frame).size()) + chance;
 }
 
 }  // namespace
