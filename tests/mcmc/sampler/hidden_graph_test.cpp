@@ -361,13 +361,12 @@ TEST_CASE("Patches of one start may overlap, in the states of all starts", "[mcm
     motion.links.emplace_back();
     return motion;
   };
-  // The first two of the one start overlap each other; in the other one a patch lies between its second and
-  // third.
-  const std::vector<graph::MotionGraph> starts = {clip_of({10, 12, 20}), clip_of({12.5, 18})};
+  // The first two of each start overlap each other.
+  const std::vector<graph::MotionGraph> starts = {clip_of({10, 12, 20}), clip_of({12.5, 13, 18})};
   const auto states = mcmc::hidden_graphs(starts, {12, 12, 3});
-  REQUIRE(states[0].size() == 3);
+  REQUIRE(states[0].size() == 4);  // a candidate is of one patch of a start
   CHECK(states[0].active(0).size() == 3);
-  CHECK((states[1].is_active(1) && states[1].is_active(2)));
+  CHECK((states[1].is_active(1) && states[1].is_active(2) && states[1].is_active(3)));
   CHECK(states[1].can_activate(0));  // beside its overlapping neighbour, as in the first start
 }
 
