@@ -24,7 +24,7 @@ Steps next_steps(const HiddenGraph& g, Index from) {
   double sum = 0;
   for (std::size_t k = 0; k < g.candidates_after(from).size(); ++k) {
     const Index to = g.candidates_after(from)[k];
-    if (g.is_active(to) || !g.can_activate(to)) continue;
+    if (!g.can_activate(to)) continue;
     const TransitionOffset& offset = g.offsets(from)[k];
     const double across = offset.across / kAcross, along = offset.along / kAlong;
     steps.to.push_back(to);
