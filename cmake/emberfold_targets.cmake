@@ -16,7 +16,7 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
 endif()
 
 function(emberfold_compile_options target)
-  target_compile_options(${target} PRIVATE ${EMBERFOLD_WARNINGS} -ffp-contract=off
+  target_compile_options(${target} PRIVATE ${EMBERFOLD_WARNINGS} -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC
     $<$<BOOL:${EMBERFOLD_WERROR}>:-Werror> $<$<BOOL:${EMBERFOLD_NATIVE}>:-march=native>)
 endfunction()
 
@@ -35,7 +35,8 @@ function(emberfold_library name)
   add_library(emberfold::${name} ALIAS emberfold_${name})
   set_target_properties(emberfold_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   emberfold_compile_options(emberfold_${name})
-  emberfold_unity(emberfold_${name} 8)
+  emberfold_unity(emberfold_${name} 16)
+  emberfold_precompile(emberfold_${name})
   target_compile_features(emberfold_${name} PUBLIC cxx_std_20)
   target_include_directories(emberfold_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/emberfold>)
@@ -51,13 +52,34 @@ function(emberfold_library name)
   endif()
 endfunction()
 
-# emberfold_precompile(<target> <header>...): compiles these headers once for all of the target's sources.
+# What most sources include, compiled once for all targets that take part in emberfold_precompile().
+set(EMBERFOLD_PRECOMPILED <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <limits> <map> <memory>
+  <numbers> <numeric> <optional> <set> <span> <sstream> <string> <string_view> <tuple> <utility> <vector>
+  <Eigen/Dense> <nlohmann/json.hpp> <opencv2/core.hpp> <opencv2/imgproc.hpp>)
+
+# emberfold_precompile(<target> [<header>]): lets a target use the precompiled headers, with one more header or without.
+# A compiler uses them only where its flags are the same: all code is position-independent.
 function(emberfold_precompile target)
   if(NOT EMBERFOLD_PCH)
     return()
   endif()
-  target_precompile_headers(${target} PRIVATE ${ARGN})
-  # What ccache needs to see through them.
+  string(MAKE_C_IDENTIFIER "emberfold_precompiled${ARGN}" owner)
+  if(NOT TARGET ${owner})
+    set(source ${PROJECT_BINARY_DIR}/${owner}.cpp)
+    file(CONFIGURE OUTPUT ${source} CONTENT "// Owns precompiled headers.\n")
+    add_library(${owner} OBJECT ${source})
+    target_link_libraries(${owner} PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json opencv_core opencv_imgproc)
+    target_include_directories(${owner} PRIVATE ${PROJECT_SOURCE_DIR})
+    emberfold_compile_options(${owner})
+    target_precompile_headers(${owner} PRIVATE ${EMBERFOLD_PRECOMPILED} ${ARGN})
+    emberfold_see_through(${owner})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${owner})
+  emberfold_see_through(${target})
+endfunction()
+
+# Lets ccache see through precompiled headers.
+function(emberfold_see_through target)
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>
     $<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>)
 endfunction()

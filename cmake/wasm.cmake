@@ -1,24 +1,22 @@
 # emberfold_wasm_program(<out.cpp> <source>...): compiles sources to one WebAssembly program, and writes a source that
-# holds it as emberfold::apps::motion_page_program(). Without the compiler for that (clang 16 to 19, its linker and its
-# libc++ for wasm32, wasi-libc) the program is empty, and `emberfold motion page` says what is missing.
-find_program(EMBERFOLD_WASM_CXX NAMES clang++-19 clang++-16 DOC "clang for wasm32, of a version whose libc++ is there, too")
-set(wasm_missing TRUE)
-if(EMBERFOLD_WASM_CXX)
+# holds it as emberfold::apps::motion_page_program(). The program is empty without EMBERFOLD_WASM, and
+# `emberfold motion page` says so. The compiler is clang 16 or 19 with its linker, its libc++ for wasm32 and wasi-libc.
+if(EMBERFOLD_WASM)
+  find_program(EMBERFOLD_WASM_CXX NAMES clang++-19 clang++-16 DOC "clang for wasm32, of a version whose libc++ is there, too")
   string(REGEX MATCH "[0-9]+$" wasm_version "${EMBERFOLD_WASM_CXX}")
   find_program(EMBERFOLD_WASM_LD NAMES wasm-ld-${wasm_version} NO_CACHE)
   set(wasm_llvm /usr/lib/llvm-${wasm_version})
   file(GLOB wasm_builtins ${wasm_llvm}/lib/clang/${wasm_version}/lib/wasi/libclang_rt.builtins-wasm32.a)
-  if(EMBERFOLD_WASM_LD AND wasm_builtins AND EXISTS ${wasm_llvm}/lib/wasm32-wasi/libc++.a AND EXISTS /usr/lib/wasm32-wasi/libc.a)
-    set(wasm_missing FALSE)
+  if(NOT (EMBERFOLD_WASM_LD AND wasm_builtins AND EXISTS ${wasm_llvm}/lib/wasm32-wasi/libc++.a AND EXISTS /usr/lib/wasm32-wasi/libc.a))
+    message(FATAL_ERROR "EMBERFOLD_WASM needs clang 16 or 19, its linker, its libc++ for wasm32 and wasi-libc: 'scripts/deps wasm' installs them")
   endif()
+  find_program(wasm_ccache ccache NO_CACHE)
 endif()
-find_program(wasm_ccache ccache NO_CACHE)
 
 function(emberfold_wasm_program out)
   set(unit "// Made by cmake/wasm.cmake.\n#include \"apps/motion_page/motion_page_assets.hpp\"\n\n")
   set(wasm ${CMAKE_CURRENT_BINARY_DIR}/motion_page.wasm)
-  if(wasm_missing)
-    message(STATUS "No clang with libc++ for wasm32: the command is built without 'motion page'")
+  if(NOT EMBERFOLD_WASM)
     file(CONFIGURE OUTPUT ${out} CONTENT
       "${unit}std::span<const unsigned char> emberfold::apps::motion_page_program() {\n  return {};\n}\n")
     return()

@@ -70,7 +70,7 @@ void make_C(FrameBlocks& frame_blocks, const FrameSums& seen, const Eigen::Matri
 }  // namespace
 
 void LearnOptions::validate() const {
-  core::check_at_least("LearnOptions.components", components, 1);
+  core::check_fields("LearnOptions", *this);
   if (energy) core::check_above("LearnOptions.energy", *energy, 0, 1);
   core::check_range("LearnOptions.lags", lags, 1, kMostLags);
   if (order == Order::given && !energy)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
+#include "core/option_field.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
 namespace emberfold::dytex {
@@ -42,7 +44,7 @@ enum class Noise {
 };
 
 struct LearnOptions {
-  int components = 50;  ///< n, 1 … τ − 1, of all channels together
+  int components = 50;  ///< n, at most τ − 1
   std::optional<double>
       energy{};  ///< (0, 1]: instead of n, the fewest components with this share of variance
   Order order = Order::given;
@@ -57,6 +59,14 @@ struct LearnOptions {
   /// every frame are held.
   std::size_t memory = std::size_t{1} << 30;
 
+  /// Returns what checks and help say of the field that several commands set.
+  static auto fields() {
+    using core::at_least;
+    return std::to_array<core::OptionField<LearnOptions>>({
+        {"components", &LearnOptions::components, "N", at_least(1),
+         "Number of components of the linear dynamic texture, of all channels together"},
+    });
+  }
   /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };

@@ -28,9 +28,7 @@ void correct(double& wanted, double source, double seen, double one, double step
 }  // namespace
 
 void CalibrateOptions::validate() const {
-  if (calibrate < 0 || calibrate > 20)
-    throw core::InputError("CalibrateOptions.calibrate is " + std::to_string(calibrate) +
-                           ", must be in 0…20");
+  core::check_fields("CalibrateOptions", *this);
 }
 
 mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how,

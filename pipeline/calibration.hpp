@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/context.hpp"
+#include "core/option_field.hpp"
 #include "graph/matching/match.hpp"
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/simulation/event_statistics.hpp"
@@ -18,9 +20,17 @@ inline constexpr int kCalibrationFrames = 150;
 
 /// Holds the settings of calibrate().
 struct CalibrateOptions {
-  /// 0…20 rounds, made when strokes are first drawn from the model; 0: rates stay as they were learned.
-  int calibrate = 2;
+  int calibrate = 2;  ///< made when strokes are first drawn from the model
 
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::between;
+    return std::to_array<core::OptionField<CalibrateOptions>>({
+        {"calibrate", &CalibrateOptions::calibrate, "ROUNDS", between(0, 20),
+         "Draw from the model, analyse the clip and correct the rates; 0: never"},
+    });
+  }
+  /// Throws core::InputError naming field, value and range.
   void validate() const;
 };
 

@@ -17,9 +17,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kBatch = 16;                   // frames of each clip that are held at once
-constexpr int kMostSteps = 64;               // frames ahead
-constexpr int kMostSynthesized = 1'000'000;  // of a synthesized clip
+constexpr int kBatch = 16;  // frames of each clip that are held at once
 
 int count_frames(core::FrameSource& source, int clip, const core::Context& context) {
   source.rewind();
@@ -90,12 +88,7 @@ void measure_pair(ClipPair& pair, bool with_psnr, bool with_strokes, const core:
 }  // namespace
 
 void CompareOptions::validate() const {
-  core::check_above("CompareOptions.learn_share", learn_share, 0, 1);
-  core::check_range("CompareOptions.steps", steps, 1, kMostSteps);
-  if (frames != 0 && (frames < kFewestFrames || frames > kMostSynthesized))
-    throw core::InputError("CompareOptions.frames is " + std::to_string(frames) + "; allowed is " +
-                           std::to_string(kFewestFrames) + " to " + std::to_string(kMostSynthesized) +
-                           ", or 0 for as many as the source has");
+  core::check_fields("CompareOptions", *this);
 }
 
 ShortClipError::ShortClipError(int which, int count)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/error.hpp"
+#include "core/option_field.hpp"
 #include "dytex/learn.hpp"
 #include "graph/matching/match.hpp"
 #include "mcmc/model/motion_model.hpp"
@@ -28,6 +30,8 @@ namespace emberfold::pipeline {
 
 /// Least number of frames of a clip that is compared.
 constexpr int kFewestFrames = 8;
+/// Most frames of a synthesized clip.
+constexpr int kMostSynthesized = 1'000'000;
 
 /// Holds the settings of compare() and compare_models().
 struct CompareOptions {
@@ -35,15 +39,34 @@ struct CompareOptions {
   graph::MatchOptions match;
   sketch::FillOptions fill;
   dytex::LearnOptions
-      learn;                 ///< at most a third of the frames as components: more would overfit a short clip
-  double learn_share = 0.5;  ///< of the clip, from its beginning, that models learn from; (0, 1]
-  int steps = 8;             ///< frames ahead that are predicted at most, 1 … 64
-  int frames = 0;            ///< of each synthesized clip; 0: as many as the source has
-  bool hybrid = true;        ///< compare the hybrid of motion model and dynamic texture, too
-  bool star = true;          ///< and spatio-temporal auto-regression
-  bool curve = false;        ///< quality against model size, too
-  bool strokes = true;       ///< find strokes in the clips and measure them
+      learn;  ///< at most a third of the frames as components: more would overfit a short clip
+  double learn_share = 0.5;
+  int steps = 8;
+  int frames = 0;
+  bool hybrid = true;
+  bool star = true;
+  bool curve = false;
+  bool strokes = true;
 
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::above, core::between, core::kOnOff;
+    return std::to_array<core::OptionField<CompareOptions>>({
+        {"learn_share", &CompareOptions::learn_share, "SHARE", above(0, 1),
+         "Learn from this first part of the clip; predict the rest"},
+        {"steps", &CompareOptions::steps, "N", between(1, 64), "Predict up to this many frames ahead"},
+        {"frames", &CompareOptions::frames, "N",
+         between(kFewestFrames, kMostSynthesized, "the number that the source has"),
+         "Draw this many frames from each model"},
+        {"hybrid", &CompareOptions::hybrid, "", kOnOff,
+         "Include the hybrid of motion model and linear dynamic texture"},
+        {"star", &CompareOptions::star, "", kOnOff, "Include the spatio-temporal auto-regression"},
+        {"strokes", &CompareOptions::strokes, "", kOnOff,
+         "Find strokes in the drawn clips (doubles the time)"},
+        {"curve", &CompareOptions::curve, "", kOnOff,
+         "Measure quality against the number of parameters, of models of many sizes"},
+    });
+  }
   /// Throws InputError naming the field, its value and what is allowed.
   void validate() const;
 };

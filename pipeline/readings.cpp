@@ -41,12 +41,7 @@ cv::Mat perturbed(const cv::Mat& levels, double sd, std::uint64_t seed, std::uin
 }  // namespace
 
 void StartOptions::validate() const {
-  if (chains < 1 || chains > 64) {
-    throw core::InputError("starts: chains is " + std::to_string(chains) + ", allowed is 1…64");
-  }
-  if (!(perturb >= 0 && perturb <= 64)) {
-    throw core::InputError("starts: perturb is " + std::to_string(perturb) + ", allowed is 0…64 grey levels");
-  }
+  core::check_fields("StartOptions", *this);
 }
 
 std::vector<StartReading> readings(const StartOptions& options) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
+#include "core/option_field.hpp"
 #include "graph/matching/match.hpp"
 #include "graph/motion_graph.hpp"
 #include "pipeline/sketch_clip.hpp"
@@ -17,9 +19,20 @@ namespace emberfold::pipeline {
 
 /// Holds how often a clip is read for the starts of a sampler's chains.
 struct StartOptions {
-  int chains = 3;  ///< 1…64: number of readings of the clip; with an odd number no share is exactly a half
-  double perturb = 2;  ///< grey levels, 0…64: SD, in luma, of the noise in the copies of the clip
+  int chains = 3;  ///< with an odd number no share is exactly a half
+  double perturb = 2;
 
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::between;
+    return std::to_array<core::OptionField<StartOptions>>({
+        {"chains", &StartOptions::chains, "N", between(1, 64),
+         "Number of sampler chains, started from the clip forwards, backwards, with noise"},
+        {"perturb", &StartOptions::perturb, "LEVELS", between(0, 64),
+         "SD, in luma, of the noise that is added to the clip for some chains"},
+    });
+  }
+  /// Throws core::InputError naming field, value and range.
   void validate() const;
 };
 

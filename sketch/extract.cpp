@@ -90,17 +90,7 @@ graph::AttributeGraph with_evidence_of_curves(const graph::AttributeGraph& graph
 }  // namespace
 
 void ExtractOptions::validate() const {
-  core::check_range("ExtractOptions.sensitivity", sensitivity, 0, 1);
-  core::check_range("ExtractOptions.finest_scale", finest_scale, 0.7, 20);
-  core::check_range("ExtractOptions.scales", scales, 1, 12);
-  core::check_above("ExtractOptions.significance", significance, 0);
-  core::check_above("ExtractOptions.hysteresis", hysteresis, 0, 1);
-  core::check_at_least("ExtractOptions.min_contrast", min_contrast, 0);
-  core::check_at_least("ExtractOptions.min_length", min_length, 0);
-  core::check_at_least("ExtractOptions.min_evidence", min_evidence, 0);
-  core::check_range("ExtractOptions.spacing", spacing, 2, 100);
-  core::check_range("ExtractOptions.budget", budget, 0, 1);
-  core::check_range("ExtractOptions.tile", tile, 64, 16384);
+  core::check_fields("ExtractOptions", *this);
   if (boundaries && !edges)
     throw core::InputError(
         "ExtractOptions.boundaries is true; allowed is false without edges, as which boundaries are drawn");

@@ -1,42 +1,73 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/option_field.hpp"
 #include "graph/attribute_graph.hpp"
 
 namespace emberfold::sketch {
 
 /// Holds the settings of extract().
 struct ExtractOptions {
-  /// 0…1: how much is drawn, from little that is sure to all that may be there; moves along the curve of
-  /// precision and recall.
   double sensitivity = 0.5;
-  double finest_scale = 1.2;  ///< px, 0.7…20: SD of the finest Gaussian
-  int scales = 5;             ///< 1…12, each √2 above the one before
-  double significance = 6;    ///< > 0: SD of the noise response at which a curve begins that its points show
-  double hysteresis = 0.4;    ///< above 0, up to 1: share of `significance` down to which a curve goes on
-  double min_contrast = 2;    ///< grey levels, ≥ 0: fainter strokes are left out
-  double min_length = 12;     ///< px, ≥ 0: shorter curves that end freely are left out
-  double min_evidence =
-      28;              ///< SD, ≥ 0: least root of the sum of the squared significances of a curve's points
-  double spacing = 5;  ///< px, 2…100: from patch to patch along a curve
-  bool steady = true;  ///< of a clip: sketches agree with those before and after (steadying/)
-  bool edges = true;   ///< step edges too, not only ridges and valleys
-  /// Boundaries of things in photographs instead: steps where the brightness or the texture of both sides
-  /// differs, with `colour` also where their colours do.
+  double finest_scale = 1.2;
+  int scales = 5;
+  double significance = 6;
+  double hysteresis = 0.4;
+  double min_contrast = 2;
+  double min_length = 12;
+  double min_evidence = 28;
+  double spacing = 5;
+  bool steady = true;
+  bool edges = true;
   bool boundaries = false;
-  bool colour = false;  ///< structure from two axes of colour too, not only from luma
-  bool blobs = false;   ///< blobs too, where the fill between the strokes leaves more than noise
-  /// 0…1: share of the frame that patches, blobs included, may show; those of most gain come first. 0: all
-  /// that pay.
+  bool colour = false;
+  bool blobs = false;
   double budget = 0;
-  /// px, 64…16384: a frame that is wider or higher is sketched in parts that are not, in parallel, which
-  /// bounds the memory; its thresholds are those of the whole frame.
   int tile = 2048;
 
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::above, core::at_least, core::between, core::kOnOff;
+    return std::to_array<core::OptionField<ExtractOptions>>({
+        {"sensitivity", &ExtractOptions::sensitivity, "S", between(0, 1),
+         "Draw what is sure (0) up to all there may be (1): a point on the curve of precision and recall"},
+        {"finest_scale", &ExtractOptions::finest_scale, "PX", between(0.7, 20),
+         "SD of the finest Gaussian in which creases are detected"},
+        {"scales", &ExtractOptions::scales, "N", between(1, 12),
+         "Number of scales, each sqrt(2) times the one before"},
+        {"significance", &ExtractOptions::significance, "SD", above(0),
+         "Start a curve where the response exceeds this multiple of the noise"},
+        {"hysteresis", &ExtractOptions::hysteresis, "SHARE", above(0, 1),
+         "Continue a curve down to this share of that response"},
+        {"min_contrast", &ExtractOptions::min_contrast, "LEVELS", at_least(0),
+         "Leave out fainter strokes (grey levels of 255)"},
+        {"min_length", &ExtractOptions::min_length, "PX", at_least(0),
+         "Leave out shorter curves that end freely"},
+        {"min_evidence", &ExtractOptions::min_evidence, "SD", at_least(0),
+         "Leave out curves of less significance in total: root of the sum of squares"},
+        {"spacing", &ExtractOptions::spacing, "PX", between(2, 100),
+         "Distance of neighbouring patches along a curve"},
+        {"steady", &ExtractOptions::steady, "", kOnOff,
+         "Make the sketches of a clip agree with those before and after"},
+        {"edges", &ExtractOptions::edges, "", kOnOff, "Detect step edges next to ridges and valleys"},
+        {"boundaries", &ExtractOptions::boundaries, "", kOnOff,
+         "Sketch the boundaries of things in photographs instead: where brightness or texture differ"},
+        {"colour", &ExtractOptions::colour, "", kOnOff,
+         "Detect structure in two axes of colour too, not only in luma"},
+        {"blobs", &ExtractOptions::blobs, "", kOnOff,
+         "Add blobs where the fill between strokes leaves more than noise"},
+        {"budget", &ExtractOptions::budget, "SHARE", between(0, 1),
+         "Keep the patches that gain most on this share of the frame; 0: all that pay"},
+        {"tile", &ExtractOptions::tile, "PX", between(64, 16384),
+         "Sketch larger frames in parts of at most this side, with the thresholds of the whole"},
+    });
+  }
+  /// Throws core::InputError naming field, value and range.
   void validate() const;
 };
 

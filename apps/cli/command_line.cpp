@@ -46,6 +46,14 @@ std::string with_option_name(const std::string& message, const std::string& fiel
   return with_name(message, field, option_name(field));
 }
 
+void misuse(std::string message, const std::vector<std::string>& fields, const std::string& group) {
+  message = without_struct_name(message);
+  for (const auto& field : fields)
+    message = with_name(message, field,
+                        group.empty() || field == "frames" ? option_name(field) : group + "." + field);
+  throw Misuse(message);
+}
+
 void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options) {
   add_number(command, "--sensitivity", options.sensitivity, "S",
              "Draw what is sure (0) up to all there may be (1)");

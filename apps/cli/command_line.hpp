@@ -9,8 +9,9 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/cli/command.hpp"
-#include "apps/cli/option_fields.hpp"
 #include "apps/cli/settings.hpp"
+#include "core/io/read_options.hpp"
+#include "sketch/extract.hpp"
 
 // Shared by the commands, which describe themselves to the parser. Only their own sources include this.
 namespace emberfold::apps {
@@ -90,19 +91,19 @@ void add_clip_output(
     CLI::App& command, std::string& clip,
     const std::string& about = "Write this clip: .mp4, .avi (lossless), a folder of PNG, or DIR/%05d.exr");
 
-/// Validates. Throws Misuse that names a field as --set does ("sketch.min_contrast"), or by its own option
-/// where it has one (`group` is empty, or frames).
+/// Throws Misuse with a message of validate() in which a field is named as --set does
+/// ("sketch.min_contrast"), or by its own option where it has one (`group` is empty, or frames).
+[[noreturn]] void misuse(std::string message, const std::vector<std::string>& fields,
+                         const std::string& group);
+/// Validates, and throws Misuse.
 template <class Options>
 void check_options(const Options& options, const std::string& group) {
   try {
     options.validate();
   } catch (const core::InputError& error) {
-    std::string message = without_struct_name(error.what());
-    visit_fields(options, [&](const std::string& field, auto&, auto&&...) {
-      message = with_name(message, field,
-                          group.empty() || field == "frames" ? option_name(field) : group + "." + field);
-    });
-    throw Misuse(message);
+    std::vector<std::string> fields;
+    for (const auto& field : Options::fields()) fields.emplace_back(field.name);
+    misuse(error.what(), fields, group);
   }
 }
 /// Throws io::OverwriteError where the folder, or a file of these names in it, is read, or is there already

@@ -68,7 +68,7 @@ void add_edit_options(CLI::App& app, EditOptions& options, Settings* settings) {
   for (std::size_t i = 0; i < kRates.size(); ++i) {
     const std::string about = std::string("Multiply the rate of ") + kRates[i];
     if (settings != nullptr)
-      settings->add(kSynthGroup, kRates[i], edit.rates[i], "X", about, [] { return "0 to 10"; });
+      settings->add(kSynthGroup, kRates[i], &edit.rates[i], "X", about, "0 to 10");
     else
       add_number(app, std::string("--") + kRates[i], edit.rates[i], "X", about + ", 0 to 10");
   }

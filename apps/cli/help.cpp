@@ -196,10 +196,8 @@ std::string settings_help(const CLI::App& app, const CommandLine& line, const st
       if (std::ranges::find(users[setting.group], name) == users[setting.group].end())
         users[setting.group].push_back(name);
     rows.push_back({setting.group + "." + setting.field, setting.initial.empty() ? "-" : setting.initial,
-                    setting.unit.empty() ? "-" : setting.unit, setting.allowed ? setting.allowed() : "",
-                    setting.about});
-    if (rows.back()[3].empty())
-      rows.back()[3] = setting.initial == "true" || setting.initial == "false" ? "true, false" : "-";
+                    setting.unit.empty() ? "-" : setting.unit,
+                    setting.allowed.empty() ? "-" : setting.allowed, setting.about});
   }
   std::string text = "Options for --set GROUP.FIELD=VALUE" + (command.empty() ? "" : " of " + command) +
                      "\n\n" + table(rows, 34);

@@ -2,11 +2,9 @@
 #include "apps/cli/settings.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <charconv>
 #include <cstdlib>
-#include <string_view>
+#include <type_traits>
 
 #include "apps/cli/command.hpp"
 #include "apps/cli/did_you_mean.hpp"
@@ -23,7 +21,7 @@ void parse_whole(const std::string& option, const std::string& text, Whole& valu
     throw Misuse(option + ": '" + text + "' is not a whole number" + allowed);
 }
 
-std::string join_words(const std::vector<std::string>& words) {
+std::string comma_list(const std::vector<std::string>& words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
@@ -32,10 +30,6 @@ std::string join_words(const std::vector<std::string>& words) {
 std::string suggestion(const std::string& word, const std::vector<std::string>& known) {
   const std::string nearest = nearest_word(word, known);
   return nearest.empty() ? "" : "; did you mean " + nearest + "?";
-}
-
-bool is_word(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
 }  // namespace
@@ -64,21 +58,20 @@ void parse_number(const std::string& option, const std::string& text, bool& valu
   throw Misuse(option + ": '" + text + "' is neither true nor false");
 }
 
-std::string number_text(double value) {
-  std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), result.ptr};
-}
-
-std::string allowed_in(const std::string& message, const std::string& field) {
-  for (const std::string_view mark : {"allowed is ", "must be ", "has to be "}) {
-    const auto range = message.find(mark);
-    if (range == std::string::npos) continue;
-    for (auto at = message.find(field); at < range; at = message.find(field, at + 1))
-      if ((at == 0 || !is_word(message[at - 1])) && !is_word(message[at + field.size()]))
-        return message.substr(range + mark.size());
-  }
-  return {};
+void Settings::add(const std::string& group, const std::string& field, NumberPointer value,
+                   const std::string& unit, const std::string& about, const std::string& allowed) {
+  std::visit(
+      [&](auto* number) {
+        constexpr bool is_switch = std::is_same_v<decltype(number), bool*>;
+        const std::string initial = !is_switch ? number_text(static_cast<double>(*number))
+                                    : *number  ? "true"
+                                               : "false";
+        settings_.push_back({group, field, initial, unit, about, is_switch ? "true, false" : allowed,
+                             [number, name = group + "." + field](const std::string& text) {
+                               parse_number("--set " + name, text, *number);
+                             }});
+      },
+      value);
 }
 
 void Settings::add_word(const std::string& group, const std::string& field, std::string& value,
@@ -86,11 +79,11 @@ void Settings::add_word(const std::string& group, const std::string& field, std:
                         const std::string& about) {
   const auto assign = [&value, words, name = group + "." + field](const std::string& text) {
     if (!words.empty() && std::ranges::find(words, text) == words.end())
-      throw Misuse("--set " + name + ": '" + text + "' is not known; allowed is " + join_words(words) +
+      throw Misuse("--set " + name + ": '" + text + "' is not known; allowed is " + comma_list(words) +
                    suggestion(text, words));
     value = text;
   };
-  settings_.push_back({group, field, value, unit, about, assign, [words] { return join_words(words); }});
+  settings_.push_back({group, field, value, unit, about, comma_list(words), assign});
 }
 
 void Settings::assign(const std::string& assignment) {
@@ -104,7 +97,7 @@ void Settings::assign(const std::string& assignment) {
   const auto known_groups = groups(), known_fields = fields(group);
   if (known_fields.empty())
     throw Misuse("--set: there is no group '" + one_line(group) + "'; allowed is " +
-                 join_words(known_groups) + suggestion(group, known_groups));
+                 comma_list(known_groups) + suggestion(group, known_groups));
   for (auto& setting : settings_) {
     if (setting.group != group || setting.field != field) continue;
     setting.assign(assignment.substr(equals + 1));
@@ -112,7 +105,7 @@ void Settings::assign(const std::string& assignment) {
     return;
   }
   throw Misuse("--set: " + group + " has no field '" + one_line(field) + "'; allowed is " +
-               join_words(known_fields) + suggestion(field, known_fields));
+               comma_list(known_fields) + suggestion(field, known_fields));
 }
 
 bool Settings::is_given(const std::string& name) const {

@@ -3,14 +3,15 @@
 
 #include <span>
 #include <string>
+#include <variant>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/command.hpp"
-#include "apps/cli/option_fields.hpp"
 #include "core/clip.hpp"
 #include "core/clip/masked_source.hpp"
 #include "core/io/staged_output.hpp"
+#include "core/option_field.hpp"
 #include "graph/events/event_score.hpp"
 
 // Parts of summary.json that the commands share.
@@ -31,7 +32,8 @@ nlohmann::ordered_json clip_json(const std::string& clip, const core::ClipInfo& 
 template <class Options>
 nlohmann::ordered_json options_json(const Options& options) {
   nlohmann::ordered_json out = nlohmann::ordered_json::object();
-  visit_fields(options, [&](const char* name, const auto& value, auto&&...) { out[name] = value; });
+  for (const auto& field : Options::fields())
+    std::visit([&](const auto member) { out[field.name] = options.*member; }, field.member);
   return out;
 }
 nlohmann::ordered_json reading_json(const io::ReadOptions& read);

@@ -12,17 +12,6 @@
 
 namespace emberfold::apps {
 
-// The groups of options that several commands have are in option_fields.hpp.
-void visit_fields(MaybeConst<pipeline::CompareOptions> auto& o, auto&& visit) {
-  visit("learn_share", o.learn_share, "SHARE", "Learn from this first part of the clip; predict the rest");
-  visit("steps", o.steps, "N", "Predict up to this many frames ahead");
-  visit("frames", o.frames, "N", "Draw this many frames from each model; 0: as many as the clip has");
-  visit("hybrid", o.hybrid, "", "Include the hybrid of motion model and linear dynamic texture");
-  visit("star", o.star, "", "Include the spatio-temporal auto-regression");
-  visit("strokes", o.strokes, "", "Find strokes in the drawn clips (doubles the time)");
-  visit("curve", o.curve, "", "Measure quality against the number of parameters, of models of many sizes");
-}
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -27,11 +27,10 @@ void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked) {
       .add_option("--filled", asked.filled,
                   "Write CLIP with the ignored pixels filled in: .mp4, .avi, folder")
       ->type_name("OUT");
-  settings.add("em", "iterations", options.iterations, "N", "Iterate at most so often",
-               [] { return "1 to 100000"; });
-  settings.add("em", "tolerance", options.tolerance, "SHARE",
-               "Stop where the log-likelihood grows by less than this share of it", [] { return "0 to 1"; });
-  settings.add("em", "noise_per_value", options.noise_per_value, "",
+  settings.add("em", "iterations", &options.iterations, "N", "Iterate at most so often", "1 to 100000");
+  settings.add("em", "tolerance", &options.tolerance, "SHARE",
+               "Stop where the log-likelihood grows by less than this share of it", "0 to 1");
+  settings.add("em", "noise_per_value", &options.noise_per_value, "",
                "Learn a noise variance for each value of a frame (implies --em)");
 }
 

@@ -257,15 +257,13 @@ void add_model_options(CLI::App& command, Settings& settings, TextureLearning& a
   settings.add_word(
       "learn", "noise", asked.noise, names_of(kNoise), "",
       "Drive the model by normal noise, residuals of the fit, or independent noises as they were");
-  settings.add("learn", "noise_rank", asked.options.noise_rank, "N",
-               "Drive the model by so many noises, the strongest; 0: all",
-               [] { return "0 to the number of components"; });
-  settings.add("learn", "memory", asked.memory, "MIB",
-               "Memory for frames; more passes over the clip where they do not fit",
-               [] { return "at least 1"; });
-  settings.add("learn", "block", asked.block, "N",
+  settings.add("learn", "noise_rank", &asked.options.noise_rank, "N",
+               "Drive the model by so many noises, the strongest; 0: all", "0 to the number of components");
+  settings.add("learn", "memory", &asked.memory, "MIB",
+               "Memory for frames; more passes over the clip where they do not fit", "at least 1");
+  settings.add("learn", "block", &asked.block, "N",
                "Decompose so many frames at a time and merge; 0: all, beyond 10000 under mpirun 1024",
-               [] { return "at least 0"; });
+               "at least 0");
 }
 
 }  // namespace

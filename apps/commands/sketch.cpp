@@ -68,8 +68,6 @@ SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, co
                std::to_string(texture.most));
   if (asked.own_regions && request.ground.kind == sketch::FillMethod::diffusion)
     throw Misuse("--regions is for --fill julesz or efros-leung; the diffusion knows no textures");
-  if (request.anchors < 0 || request.anchors > 1 || std::isnan(request.anchors))
-    refuse("--anchors", number_text(request.anchors), "0 (none) to 1, a share of the frame");
   // Measured to be the best split between patches and anchors.
   if (request.anchors > 0 && !asked.own_budget) request.extract.budget = request.anchors / 4;
   if (request.heat_frame && *request.heat_frame < 0)
@@ -202,6 +200,7 @@ void parse_anchors(const std::string& text, double& share) {
     throw Misuse("--anchors: '" + text +
                  "' is not a number; without a share, an option or nothing may follow");
   }
+  if (!(share >= 0 && share <= 1)) refuse("--anchors", text, "0 (none) to 1, a share of the frame");
 }
 
 void add_drawing(CLI::App& command, Sketch& asked) {

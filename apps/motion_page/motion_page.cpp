@@ -94,8 +94,8 @@ std::string run_title(const std::string& folder) {
 void check(const MotionPageInput& input) {
   if (motion_page_program().empty())
     throw core::InputError(
-        "this emberfold was built without the simulator for pages: install clang-16, lld-16, wasi-libc and "
-        "libc++-16-dev-wasm32, and build it again");
+        "this emberfold was built without the simulator for pages; install its compiler (scripts/deps wasm) "
+        "and build again with -DEMBERFOLD_WASM=ON");
   const auto& motion = input.model->motion;
   if (const auto why = pipeline::why_undrawable(motion); !why.empty()) throw core::InputError(why);
   if (static_cast<long long>(motion.width) * motion.height > kMotionPagePixels)

@@ -9,10 +9,9 @@
 #include <numbers>
 #include <sstream>
 
-#include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
-#include "core/error.hpp"
+#include "dytex/learning/decompositions.hpp"
 #include "pipeline/parameter_count.hpp"
 
 namespace emberfold::apps {
@@ -60,10 +59,8 @@ double TextureMode::decay() const {
 
 std::vector<std::complex<double>> texture_eigenvalues(const dytex::LinearDynamicTexture& texture) {
   if (texture.order() == 0) return {};
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(texture.A, false);
-  if (solver.info() != Eigen::Success)
-    throw core::NumericalError("the eigenvalues of A could not be computed");
-  std::vector<std::complex<double>> values(solver.eigenvalues().begin(), solver.eigenvalues().end());
+  const Eigen::VectorXcd poles = dytex::detail::eigenvalues(texture.A);
+  std::vector<std::complex<double>> values(poles.begin(), poles.end());
   // A pair stays together, the upper one first: radius and |angle| are equal.
   std::ranges::stable_sort(values, [](const auto& a, const auto& b) {
     const auto key = [](const auto& z) { return std::pair{-std::norm(z), std::abs(z.imag())}; };

@@ -55,7 +55,8 @@ void ReadOptions::validate() const {
   if (last && *last <= first)
     throw core::InputError("the range " + std::to_string(first) + ":" + std::to_string(*last) +
                            " holds no frame; its end must lie behind its beginning");
-  if (!(scale > 0 && scale <= 16)) refuse("scale", text_of(scale), "above 0, at most 16");
+  if (const auto field = fields()[0]; !field.range.holds(scale))
+    refuse("scale", text_of(scale), field.range.text());
   if (channel && *channel < 0) refuse("channel", std::to_string(*channel), "at least 0");
   if (slice && *slice < 0) refuse("slice", std::to_string(*slice), "at least 0, or max");
   if (fps && !(*fps > 0 && *fps <= 1e6)) refuse("fps", text_of(*fps), "above 0, at most 1e6");

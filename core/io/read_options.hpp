@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
+
+#include "core/option_field.hpp"
 
 namespace emberfold::io {
 
@@ -32,7 +35,7 @@ enum class Stabilize { none, translation, similarity };
 struct ReadOptions {
   std::int64_t first = 0;            ///< first frame as stored, from 0
   std::optional<std::int64_t> last;  ///< one past the last frame, > first; none: to the end
-  double scale = 1;                  ///< (0, 16]; sizes are rounded, at least 1 px
+  double scale = 1;                  ///< sizes are rounded
   bool grey = false;                 ///< luma (Rec. 601) only
   std::uint64_t seed = 1;            ///< of built-in clips
   std::optional<int> channel;        ///< ≥ 0: of a stack, or red, green, blue of a picture in colour
@@ -46,6 +49,14 @@ struct ReadOptions {
   std::string mask;  ///< image or clip, as large as the clip as stored: structure counts where it is bright
   Stabilize stabilize = Stabilize::none;
 
+  /// Returns what checks and help say of the field that is a plain number.
+  static auto fields() {
+    using core::above;
+    return std::to_array<core::OptionField<ReadOptions>>({
+        {"scale", &ReadOptions::scale, "FACTOR", above(0, 16),
+         "Resize the frames by this factor; at least 1 px remains"},
+    });
+  }
   /// core::InputError naming field, value and range.
   void validate() const;
   /// Returns the options for another clip that lies beside this one, pixel by pixel and frame by frame: a

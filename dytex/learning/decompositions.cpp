@@ -8,7 +8,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "core/error.hpp"
@@ -29,26 +28,14 @@ SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix) {
   return result;
 }
 
-double largest_absolute_eigenvalue(const Eigen::MatrixXd& matrix) {
+Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& matrix) {
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, false);
   if (solver.info() != Eigen::Success) throw core::NumericalError("the eigenvalues of A were not found");
-  return solver.eigenvalues().cwiseAbs().maxCoeff();
+  return solver.eigenvalues();
 }
 
-Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix) {
-  const Eigen::Index rows = matrix.rows(), columns = matrix.cols();
-  if (matrix.size() == 0) return Eigen::MatrixXd(rows, 0);
-  Eigen::MatrixXd small = matrix;
-  if (columns > rows) {  // M = Rᵀ Qᵀ: the left half is Rᵀ's
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix.transpose());
-    small = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>().toDenseMatrix().transpose();
-  }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(small, Eigen::ComputeThinU);
-  const Eigen::VectorXd& s = svd.singularValues();
-  const double least =
-      s[0] * static_cast<double>(std::max(rows, columns)) * std::numeric_limits<double>::epsilon();
-  const Eigen::Index kept = (s.array() > least).count();
-  return svd.matrixU().leftCols(kept) * s.head(kept).asDiagonal();
+double largest_absolute_eigenvalue(const Eigen::MatrixXd& matrix) {
+  return eigenvalues(matrix).cwiseAbs().maxCoeff();
 }
 
 Eigen::MatrixXd triangular_factor(const Eigen::MatrixXd& matrix) {
@@ -66,11 +53,6 @@ Eigen::MatrixXd symmetric_factor(const Eigen::MatrixXd& matrix) {
   return eigen.vectors.leftCols(kept) * eigen.values.head(kept).cwiseSqrt().asDiagonal();
 }
 
-Eigen::MatrixXd nearest_orthogonal(const Eigen::MatrixXd& matrix) {
-  const ThinSvd svd = thin_svd(matrix);
-  return svd.U * svd.V.transpose();
-}
-
 Eigen::MatrixXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
   return matrix.completeOrthogonalDecomposition().solve(right);
 }
@@ -79,12 +61,6 @@ Eigen::MatrixXd right_divide(const Eigen::MatrixXd& left, const Eigen::MatrixXd&
   const CholeskyFactors factors(matrix);
   if (!factors.positive()) throw core::NumericalError("a covariance is singular");
   return factors.right_divide(left);
-}
-
-ThinSvd thin_svd(const Eigen::MatrixXd& matrix) {
-  if (matrix.size() == 0) return {Eigen::MatrixXd(matrix.rows(), 0), Eigen::MatrixXd(matrix.cols(), 0), {}};
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  return {svd.matrixU(), svd.matrixV(), svd.singularValues()};
 }
 
 Eigen::MatrixXd thin_q(const Eigen::MatrixXd& matrix) {
@@ -166,11 +142,6 @@ double CholeskyFactors::log_determinant() const {
   return 2 * solver_->llt.matrixLLT().diagonal().array().log().sum();
 }
 
-Eigen::VectorXd singular_values(const Eigen::MatrixXd& matrix) {
-  if (matrix.size() == 0) return {};
-  return Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues();
-}
-
 RealSchur real_schur(const Eigen::MatrixXd& matrix) {
   const Eigen::RealSchur<Eigen::MatrixXd> solver(matrix);
   if (solver.info() != Eigen::Success) throw core::NumericalError("the Schur form of A was not found");
@@ -179,13 +150,6 @@ RealSchur real_schur(const Eigen::MatrixXd& matrix) {
 
 Eigen::MatrixXd matrix_power(const Eigen::MatrixXd& matrix, double exponent) {
   return matrix.pow(exponent);
-}
-
-SingularVectors singular_vectors(const Eigen::MatrixXd& matrix) {
-  if (matrix.size() == 0)
-    return {Eigen::MatrixXd::Identity(matrix.rows(), matrix.rows()), Eigen::MatrixXd(matrix.cols(), 0)};
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeThinV);
-  return {svd.matrixU(), svd.matrixV()};
 }
 
 }  // namespace emberfold::dytex::detail

@@ -15,6 +15,10 @@ struct SymmetricEigen {
 /// Decomposes a symmetric matrix, of which the lower half is read. NumericalError where it does not converge.
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix);
 
+/// Returns the eigenvalues of a square matrix, in no order; a complex pair is adjacent. NumericalError where
+/// they do not converge. O(n³).
+Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& matrix);
+
 /// Returns the spectral radius of a square, finite matrix with at least one row. NumericalError where the
 /// eigenvalues do not converge.
 double largest_absolute_eigenvalue(const Eigen::MatrixXd& matrix);

@@ -71,8 +71,7 @@ double ratio(std::size_t part, std::size_t whole) {
 }  // namespace
 
 void ScoreOptions::validate() const {
-  core::check_not_negative("ScoreOptions.frames", frames);
-  core::check_not_negative("ScoreOptions.radius", radius);
+  core::check_fields("ScoreOptions", *this);
 }
 
 double ClassScore::precision() const {

@@ -1,17 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
+#include "core/option_field.hpp"
 #include "graph/events/events.hpp"
 
 namespace emberfold::graph {
 
 /// Tolerances within which a found event counts as a true one.
 struct ScoreOptions {
-  double frames = 2;   ///< frames, ≥ 0
-  double radius = 20;  ///< px, ≥ 0
+  double frames = 2;
+  double radius = 20;
+
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::at_least;
+    return std::to_array<core::OptionField<ScoreOptions>>({
+        {"frames", &ScoreOptions::frames, "N", at_least(0),
+         "Count a true event at most this many frames away as a hit"},
+        {"radius", &ScoreOptions::radius, "PX", at_least(0),
+         "Count a true event at most this far away as a hit"},
+    });
+  }
   /// Throws InputError naming field, value and range.
   void validate() const;
 };

@@ -19,15 +19,7 @@
 namespace emberfold::graph {
 
 void MatchOptions::validate() const {
-  core::check_positive("MatchOptions.max_motion", max_motion);
-  core::check_positive("MatchOptions.sigma_across", sigma_across);
-  core::check_positive("MatchOptions.sigma_along", sigma_along);
-  core::check_positive("MatchOptions.sigma_angle", sigma_angle);
-  core::check_positive("MatchOptions.sigma_contrast", sigma_contrast);
-  core::check_positive("MatchOptions.sigma_count", sigma_count);
-  core::check_positive("MatchOptions.sigma_shape", sigma_shape);
-  core::check_positive("MatchOptions.sigma_degree", sigma_degree);
-  core::check_range("MatchOptions.flicker", flicker, 0, 100);
+  core::check_fields("MatchOptions", *this);
 }
 
 namespace {

@@ -1,26 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "core/context.hpp"
+#include "core/option_field.hpp"
 #include "graph/motion_graph.hpp"
 
 namespace emberfold::graph {
 
 /// Options of match. Spreads are SDs of the Gaussians in a link's gain.
 struct MatchOptions {
-  double max_motion = 12;       ///< > 0: farthest that a patch may be from its expected position, px a frame
-  double sigma_across = 2;      ///< > 0: of a patch about its expected position across its curve, px
-  double sigma_along = 5;       ///< > 0: along its curve, where patches look alike, px
-  double sigma_angle = 0.35;    ///< > 0: of the direction, rad
-  double sigma_contrast = 0.5;  ///< > 0: of the logarithm of the contrast
-  double sigma_count = 0.5;     ///< > 0: of c, the log number of control points, in the coarse match
-  double sigma_shape = 3;       ///< > 0: of s, the shape, in the coarse match, px
-  double sigma_degree = 1;      ///< > 0: of d, the degree, in the coarse match
-  int flicker = 3;  ///< 0…100: longest change that remove_flicker takes for noise, frames; 0: none
+  double max_motion = 12;
+  double sigma_across = 2;
+  double sigma_along = 5;
+  double sigma_angle = 0.35;
+  double sigma_contrast = 0.5;
+  double sigma_count = 0.5;
+  double sigma_shape = 3;
+  double sigma_degree = 1;
+  int flicker = 3;
 
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::above, core::between;
+    return std::to_array<core::OptionField<MatchOptions>>({
+        {"max_motion", &MatchOptions::max_motion, "PX", above(0),
+         "Link nothing farther than this from its expected place"},
+        {"sigma_across", &MatchOptions::sigma_across, "PX", above(0),
+         "Spread of a patch about its expected place across its curve"},
+        {"sigma_along", &MatchOptions::sigma_along, "PX", above(0), "Spread of a patch along its curve"},
+        {"sigma_angle", &MatchOptions::sigma_angle, "RAD", above(0), "Spread of a patch's orientation"},
+        {"sigma_contrast", &MatchOptions::sigma_contrast, "LOG", above(0),
+         "Spread of the logarithm of a patch's contrast"},
+        {"sigma_count", &MatchOptions::sigma_count, "LOG", above(0),
+         "Spread of the logarithm of a stroke's number of patches (c of the coarse match)"},
+        {"sigma_shape", &MatchOptions::sigma_shape, "PX", above(0),
+         "Spread of a stroke's shape (s of the coarse match)"},
+        {"sigma_degree", &MatchOptions::sigma_degree, "N", above(0),
+         "Spread of a stroke's vertex degrees (d of the coarse match)"},
+        {"flicker", &MatchOptions::flicker, "FRAMES", between(0, 100),
+         "Remove what appears and disappears within this number of frames; 0: nothing"},
+    });
+  }
   /// Throws InputError naming field, value and range.
   void validate() const;
 };

@@ -14,7 +14,7 @@ namespace {
 // Half axes of the ellipse about the expected place in which partners are looked for, px: patches of a curve
 // lie 5 px apart, and links slide along it, so that a neighbour's motion tells little of that along the
 // curve.
-constexpr double kAlong = 7.5, kAcross = 3;
+constexpr double kSlipAlong = 7.5, kSlipAcross = 3;
 constexpr double kTurn = 0.5;  // rad
 
 using Partners = std::vector<std::vector<std::uint32_t>>;
@@ -45,7 +45,7 @@ void offer_links(const AttributeGraph& here, const AttributeGraph& there, const 
       const Point other = there.patch(w).position;
       const Point apart = other - expected;
       const double way =
-          std::hypot(dot(apart, along) / kAlong, (apart.y * along.x - apart.x * along.y) / kAcross);
+          std::hypot(dot(apart, along) / kSlipAlong, (apart.y * along.x - apart.x * along.y) / kSlipAcross);
       const Offer offer{way, (place + other) * 0.5, forward ? v : w, forward ? w : v};
       if (way > 1 || !goes_on(here.patch(v), there.patch(w))) return;
       if (!found || offer.key() < best.key()) best = offer, found = true;

@@ -210,9 +210,7 @@ void check_frame_size(int width, int height, double fps) {
 }  // namespace
 
 void MorphOptions::validate() const {
-  core::check_range("MorphOptions.frames", frames, 3, 10000);
-  core::check_above("MorphOptions.farthest", farthest, 0, 1e6);
-  core::check_range("MorphOptions.level_weight", level_weight, 0, 100);
+  core::check_fields("MorphOptions", *this);
 }
 
 Morph morph(const AttributeGraph& from, const AttributeGraph& to, int width, int height, double fps,

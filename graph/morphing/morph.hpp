@@ -1,20 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "core/context.hpp"
+#include "core/option_field.hpp"
 #include "graph/motion_graph.hpp"
 
 namespace emberfold::graph {
 
 /// Options of morph.
 struct MorphOptions {
-  int frames = 30;            ///< 3…10000: frames of the path, both ends included
-  double farthest = 200;      ///< (0, 1e6]: px, from which on a stroke fades rather than moves
-  double level_weight = 0.1;  ///< 0…100: px that a change by one grey level counts
+  int frames = 30;
+  double farthest = 200;
+  double level_weight = 0.1;
 
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::above, core::between;
+    return std::to_array<core::OptionField<MorphOptions>>({
+        {"frames", &MorphOptions::frames, "N", between(3, 10000),
+         "Draw this many frames of a morph, both ends included"},
+        {"farthest", &MorphOptions::farthest, "PX", above(0, 1e6),
+         "Let strokes fade rather than move so far"},
+        {"level_weight", &MorphOptions::level_weight, "PX", between(0, 100),
+         "Count a change by one grey level as a motion by so much"},
+    });
+  }
   /// Throws InputError naming field, value and range.
   void validate() const;
 };

@@ -22,12 +22,6 @@ namespace emberfold::mcmc {
 
 namespace {
 
-void check(bool holds, const char* name, double value, const std::string& allowed) {
-  if (!holds)
-    throw core::InputError(std::string("infer: ") + name + " is " + std::to_string(value) + ", allowed is " +
-                           allowed);
-}
-
 /// Step sizes of the stochastic approximation: whole steps, then ever smaller ones (Delyon, Lavielle,
 /// Moulines 1999).
 double step_size(int sweep, int burn_in) {
@@ -147,10 +141,10 @@ bool is_sample(int sweep, const InferOptions& options) {
 }  // namespace
 
 void InferOptions::validate() const {
-  check(sweeps >= 1 && sweeps <= 100000, "sweeps", sweeps, "1…100000");
-  check(burn_in >= 1 && burn_in <= 100000, "burn_in", burn_in, "1…100000");
-  check(samples >= 1 && samples <= sweeps, "samples", samples, "1 to the number of sweeps");
-  check(proposals >= 0.01 && proposals <= 1000, "proposals", proposals, "0.01…1000");
+  core::check_fields("InferOptions", *this);
+  if (samples > sweeps)
+    throw core::InputError("InferOptions.samples is " + std::to_string(samples) +
+                           "; allowed is up to the number of sweeps, " + std::to_string(sweeps));
 }
 
 InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel& learned,

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/context.hpp"
+#include "core/option_field.hpp"
 #include "graph/motion_graph.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "mcmc/sampler/evidence.hpp"
@@ -15,13 +17,28 @@ namespace emberfold::mcmc {
 
 /// Options of infer().
 struct InferOptions {
-  int sweeps = 20;            ///< 1…100000: of each chain after burn-in
-  int burn_in = 20;           ///< 1…100000: sweeps of each chain in which θ is learned and nothing is kept
-  int samples = 5;            ///< 1…sweeps: kept of each chain, evenly spread
-  double proposals = 8;       ///< 0.01…1000: moves for every candidate patch in a sweep
-  bool from_nothing = false;  ///< one more chain starts without any patch, as a judge of the others
+  int sweeps = 20;
+  int burn_in = 20;
+  int samples = 5;  ///< at most `sweeps`, evenly spread over them
+  double proposals = 8;
+  bool from_nothing = false;
 
-  /// Throws core::InputError, naming the field, for a number out of its range.
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::between, core::kOnOff;
+    return std::to_array<core::OptionField<InferOptions>>({
+        {"sweeps", &InferOptions::sweeps, "N", between(1, 100000), "Sweeps of each chain after burn-in"},
+        {"burn_in", &InferOptions::burn_in, "N", between(1, 100000),
+         "Sweeps of each chain before states are kept, in which the parameters are learned"},
+        {"samples", &InferOptions::samples, "N", between(1, 100000),
+         "Number of states that each chain keeps; at most the number of sweeps"},
+        {"proposals", &InferOptions::proposals, "N", between(0.01, 1000),
+         "Proposed moves for each patch in a sweep"},
+        {"from_nothing", &InferOptions::from_nothing, "", kOnOff,
+         "Start one more chain without any patch, as a judge of the others"},
+    });
+  }
+  /// Throws core::InputError naming field, value and range.
   void validate() const;
 };
 

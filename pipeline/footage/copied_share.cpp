@@ -11,7 +11,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr std::size_t kMostPixels = 4096;
+constexpr std::size_t kCopiedPixels = 4096;
 constexpr int kSameLevel = 2;  // grey levels: a copy through JPEG or an interpolation of still pixels
 
 /// Counts pixels (a row of `channels` bytes each) whose levels are the same in all channels.
@@ -32,7 +32,7 @@ int count_same(const cv::Mat& a, const cv::Mat& b) {
 CopiedShare::CopiedShare(const std::vector<cv::Mat>& footage, const cv::Mat1b& moves) {
   std::vector<cv::Point> moving;
   cv::findNonZero(moves, moving);
-  const std::size_t stride = moving.size() / kMostPixels + 1;
+  const std::size_t stride = moving.size() / kCopiedPixels + 1;
   for (std::size_t i = 0; i < moving.size(); i += stride) pixels_.push_back(moving[i]);
   for (const auto& frame : footage) footage_.push_back(picked(frame));
 }

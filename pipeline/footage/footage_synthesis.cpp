@@ -31,7 +31,7 @@ constexpr double kLeastMotion = 0.5;  // px a frame: what moves less is not wort
 // all, since what lies between two frames is not known.
 constexpr double kKnown = 0.6, kUnknown = 0.8;
 constexpr double kRate = 0.2;                      // SD by which local time runs faster or slower
-constexpr int kCopiedEvery = 4;                    // frames: where copied pixels are counted
+constexpr int kCountedEvery = 4;                   // frames: where copied pixels are counted
 constexpr double kFewTimes = 0.5;                  // frames: amplitude below which plays stand side by side
 constexpr int kPlays = 3;                          // enough that none fills most of the frame
 constexpr int kApart = 6;                          // frames between those that stand side by side, at least
@@ -138,7 +138,7 @@ void FootageSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
       drawn[i] = draw_between(moving, time(n) - static_cast<double>(first), offsets);
     });
     for (auto& frame : drawn) {
-      if (next_ % kCopiedEvery == 0) copied_.add(frame);
+      if (next_ % kCountedEvery == 0) copied_.add(frame);
       take(std::move(frame));
       ++next_;
       --count;

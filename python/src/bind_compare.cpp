@@ -129,13 +129,7 @@ void bind_compare(py::module_& module) {
       .field("match", &Options::match)
       .field("fill", &Options::fill)
       .field("learn", &Options::learn)
-      .field("learn_share", &Options::learn_share)
-      .field("steps", &Options::steps)
-      .field("frames", &Options::frames)
-      .field("hybrid", &Options::hybrid)
-      .field("star", &Options::star)
-      .field("curve", &Options::curve)
-      .field("strokes", &Options::strokes)
+      .described_fields()
       .finish();
   module.attr("MEASURES") =
       py::tuple(measure_list({pipeline::pixel_measures(), pipeline::stroke_measures()}));

@@ -149,7 +149,7 @@ void bind_options(py::module_& module) {
       .value("independent", dytex::Noise::independent);
   using Learn = dytex::LearnOptions;
   OptionsClass<Learn>(module, "LearnOptions", "dytex::LearnOptions")
-      .field("components", &Learn::components)
+      .described_fields()
       .field("energy", &Learn::energy)
       .field("order", &Learn::order)
       .field("channels", &Learn::channels)

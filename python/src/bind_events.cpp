@@ -131,8 +131,7 @@ py::list score_rows(const graph::Score& score) {
 
 void bind_reviews(py::module_& module) {
   OptionsClass<graph::ScoreOptions>(module, "ScoreOptions", "graph::ScoreOptions")
-      .field("frames", &graph::ScoreOptions::frames)
-      .field("radius", &graph::ScoreOptions::radius)
+      .described_fields()
       .finish();
   module.def(
       "score_events",

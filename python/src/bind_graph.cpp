@@ -253,9 +253,7 @@ void bind_motion(py::module_& module) {
 
 void bind_morph(py::module_& module) {
   OptionsClass<graph::MorphOptions>(module, "MorphOptions", "graph::MorphOptions")
-      .field("frames", &graph::MorphOptions::frames)
-      .field("farthest", &graph::MorphOptions::farthest)
-      .field("level_weight", &graph::MorphOptions::level_weight)
+      .described_fields()
       .finish();
   py::class_<graph::Morph>(module, "Morph", doc("graph::Morph"))
       .def_property_readonly(
@@ -310,15 +308,7 @@ py::array patches_view(const graph::AttributeGraph& graph, const py::handle& own
 void bind_graph(py::module_& module) {
   bind_motion(module);
   OptionsClass<graph::MatchOptions>(module, "MatchOptions", "graph::MatchOptions")
-      .field("max_motion", &graph::MatchOptions::max_motion)
-      .field("sigma_across", &graph::MatchOptions::sigma_across)
-      .field("sigma_along", &graph::MatchOptions::sigma_along)
-      .field("sigma_angle", &graph::MatchOptions::sigma_angle)
-      .field("sigma_contrast", &graph::MatchOptions::sigma_contrast)
-      .field("sigma_count", &graph::MatchOptions::sigma_count)
-      .field("sigma_shape", &graph::MatchOptions::sigma_shape)
-      .field("sigma_degree", &graph::MatchOptions::sigma_degree)
-      .field("flicker", &graph::MatchOptions::flicker)
+      .described_fields()
       .finish();
   bind_morph(module);
   py::list patch_types, event_types;

@@ -262,13 +262,7 @@ void bind_mcmc(py::module_& module) {
       .def_readwrite("contrast", &MotionModel::contrast, doc("mcmc::MotionModel::contrast"))
       .def_readwrite("rates", &MotionModel::rates, doc("mcmc::MotionModel::rates"));
   using Infer = mcmc::InferOptions;
-  OptionsClass<Infer>(module, "InferOptions", "mcmc::InferOptions")
-      .field("sweeps", &Infer::sweeps)
-      .field("burn_in", &Infer::burn_in)
-      .field("samples", &Infer::samples)
-      .field("proposals", &Infer::proposals)
-      .field("from_nothing", &Infer::from_nothing)
-      .finish();
+  OptionsClass<Infer>(module, "InferOptions", "mcmc::InferOptions").described_fields().finish();
   module.def(
       "rate_interval",
       [](double events, double time, double variance, double prior_events, double prior_time,

@@ -24,11 +24,10 @@ namespace {
 
 void bind_options(py::module_& module) {
   OptionsClass<pipeline::StartOptions>(module, "StartOptions", "pipeline::StartOptions")
-      .field("chains", &pipeline::StartOptions::chains)
-      .field("perturb", &pipeline::StartOptions::perturb)
+      .described_fields()
       .finish();
   OptionsClass<pipeline::CalibrateOptions>(module, "CalibrateOptions", "pipeline::CalibrateOptions")
-      .field("calibrate", &pipeline::CalibrateOptions::calibrate)
+      .described_fields()
       .finish();
   using Options = pipeline::AnalyzeOptions;
   OptionsClass<Options>(module, "AnalyzeOptions", "pipeline::AnalyzeOptions")

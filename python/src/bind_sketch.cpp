@@ -16,28 +16,8 @@ namespace {
 
 void bind_options(py::module_& module) {
   using Extract = sketch::ExtractOptions;
-  OptionsClass<Extract>(module, "ExtractOptions", "sketch::ExtractOptions")
-      .field("sensitivity", &Extract::sensitivity)
-      .field("finest_scale", &Extract::finest_scale)
-      .field("scales", &Extract::scales)
-      .field("significance", &Extract::significance)
-      .field("hysteresis", &Extract::hysteresis)
-      .field("min_contrast", &Extract::min_contrast)
-      .field("min_length", &Extract::min_length)
-      .field("min_evidence", &Extract::min_evidence)
-      .field("spacing", &Extract::spacing)
-      .field("steady", &Extract::steady)
-      .field("edges", &Extract::edges)
-      .field("boundaries", &Extract::boundaries)
-      .field("colour", &Extract::colour)
-      .field("blobs", &Extract::blobs)
-      .field("budget", &Extract::budget)
-      .field("tile", &Extract::tile)
-      .finish();
-  OptionsClass<sketch::FillOptions>(module, "FillOptions", "sketch::FillOptions")
-      .field("tolerance", &sketch::FillOptions::tolerance)
-      .field("max_iterations", &sketch::FillOptions::max_iterations)
-      .finish();
+  OptionsClass<Extract>(module, "ExtractOptions", "sketch::ExtractOptions").described_fields().finish();
+  OptionsClass<sketch::FillOptions>(module, "FillOptions", "sketch::FillOptions").described_fields().finish();
 }
 
 Sketch extract(const py::array& levels, const sketch::ExtractOptions& options) {

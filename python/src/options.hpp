@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <pybind11/pybind11.h>
@@ -89,11 +90,26 @@ class OptionsClass {
   OptionsClass(const py::module_& scope, const char* name, std::string cpp_name)
       : name_(name), cpp_name_(std::move(cpp_name)), class_(scope, name) {}
 
+  /// Adds the fields that Options::fields() describes.
+  OptionsClass& described_fields() {
+    for (const auto& one : Options::fields())
+      std::visit(
+          [&](const auto member) {
+            const std::string unit = *one.unit == '\0' ? "" : std::string(" ") + one.unit;
+            field(one.name, member,
+                  one.is_switch() ? one.meaning : one.allowed() + unit + ": " + one.meaning);
+          },
+          one.member);
+    return *this;
+  }
+
+  /// Adds one field, with its comment in the header unless a text is given.
   template <class Value, class Of>
-  OptionsClass& field(const char* field_name, Value Of::*member) {
+  OptionsClass& field(const char* field_name, Value Of::*member, std::string about = {}) {
     static_assert(std::is_base_of_v<Of, Options>);
     const std::string full = name_ + "." + field_name;
-    fields_->push_back({field_name, [member, full](Options& options, const py::handle& given) {
+    if (about.empty()) about = doc(cpp_name_ + "::" + field_name);
+    fields_->push_back({field_name, about, [member, full](Options& options, const py::handle& given) {
                           options.*member = from_python<Value>(given, full);
                         }});
     class_.def_property(
@@ -101,7 +117,7 @@ class OptionsClass {
         [member, full](Options& options, const py::object& given) {
           options.*member = from_python<Value>(given, full);
         },
-        doc(cpp_name_ + "::" + field_name));
+        about.c_str());
     return *this;
   }
 
@@ -133,7 +149,7 @@ class OptionsClass {
 
  private:
   struct Field {
-    std::string name;
+    std::string name, about;
     std::function<void(Options&, const py::handle&)> set;
   };
   using Fields = std::vector<Field>;
@@ -156,8 +172,7 @@ class OptionsClass {
     const py::object defaults = class_();
     for (const auto& field : *fields_) {
       all += "    " + field.name + " = " + repr_text(defaults.attr(field.name.c_str()));
-      const std::string about = doc(cpp_name_ + "::" + field.name);
-      all += about.empty() ? "\n" : ": " + about + "\n";
+      all += field.about.empty() ? "\n" : ": " + field.about + "\n";
     }
     return all;
   }

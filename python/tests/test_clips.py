@@ -116,4 +116,4 @@ def test_options_are_values_with_the_defaults_and_words_of_the_library():
         assert "Fields, with their defaults" in getattr(_native, name).__doc__
     for function in (ef.analyze, ef.compare, ef.quilt, ef.dytex.learn, ef.sketch.extract, ef.graph.match):
         assert len(function.__doc__) > 300, function
-    assert "px" in ef.ExtractOptions.spacing.__doc__
+    assert "PX" in ef.ExtractOptions.spacing.__doc__

@@ -169,8 +169,7 @@ void check_background(const cv::Mat& levels, const cv::Mat& background, double r
 }  // namespace
 
 void FillOptions::validate() const {
-  core::check_above("FillOptions.tolerance", tolerance, 0);
-  core::check_at_least("FillOptions.max_iterations", max_iterations, 1);
+  core::check_fields("FillOptions", *this);
 }
 
 FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options) {

@@ -1,14 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include <opencv2/core/mat.hpp>
+
+#include "core/option_field.hpp"
 
 namespace emberfold::sketch {
 
 /// Holds when the solver of fill() stops.
 struct FillOptions {
-  double tolerance = 0.03;   ///< grey levels, > 0: the estimated largest error at which the solver stops
-  int max_iterations = 100;  ///< ≥ 1
+  double tolerance = 0.03;
+  int max_iterations = 100;
+
+  /// Returns what checks, help and docstrings say of the fields.
+  static auto fields() {
+    using core::above, core::at_least;
+    return std::to_array<core::OptionField<FillOptions>>({
+        {"tolerance", &FillOptions::tolerance, "LEVELS", above(0),
+         "Stop the solver at this estimated largest error (grey levels)"},
+        {"max_iterations", &FillOptions::max_iterations, "N", at_least(1),
+         "Stop the solver after this many iterations"},
+    });
+  }
+  /// Throws core::InputError naming field, value and range.
   void validate() const;
 };
 

@@ -41,12 +41,7 @@ std::string written(const NpyArray& array) {
 
 /// The message with which reading the bytes is refused; empty where it is not.
 std::string refusal(const std::string& bytes) {
-  try {
-    read(bytes);
-  } catch (const core::IoError& error) {
-    return error.what();
-  }
-  return {};
+  return test::message_of<core::IoError>([&] { read(bytes); });
 }
 
 /// A file of format version 1.0 around this dictionary.

@@ -7,15 +7,31 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <sstream>
 #include <string>
 #include <string_view>
 
 #include "core/error.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+// FUZZ_TARGET(npy)(data, size) { … } defines the entry point of libFuzzer, or one of the readers of
+// replay.cpp.
+#ifdef EMBERFOLD_REPLAY
+#define FUZZ_TARGET(name)                                                                           \
+  static int fuzz_##name(const std::uint8_t* data, std::size_t size);                               \
+  static const bool replays_##name = emberfold::fuzz::readers().emplace(#name, fuzz_##name).second; \
+  static int fuzz_##name
+#else
+#define FUZZ_TARGET(name) extern "C" int LLVMFuzzerTestOneInput
+#endif
 
 namespace emberfold::fuzz {
+
+/// Returns the readers that replay.cpp knows, by name.
+inline std::map<std::string, int (*)(const std::uint8_t*, std::size_t)>& readers() {
+  static std::map<std::string, int (*)(const std::uint8_t*, std::size_t)> all;
+  return all;
+}
 
 /// The fuzzers take an abort for a finding.
 [[noreturn]] inline void broken(const std::string& what) {

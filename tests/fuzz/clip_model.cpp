@@ -6,7 +6,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(clip_model)(const std::uint8_t* data, std::size_t size) {
   return fuzz::archive_round_trip(
       data, size,
       "motion model: ", [](const core::ModelArchive& archive) { return pipeline::clip_model(archive); },

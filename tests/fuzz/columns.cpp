@@ -7,7 +7,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(columns)(const std::uint8_t* data, std::size_t size) {
   const auto check = [&](const auto& read, const auto& add) {
     fuzz::archive_round_trip(
         data, size, "the column ",

@@ -6,7 +6,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(dictionary)(const std::uint8_t* data, std::size_t size) {
   return fuzz::archive_round_trip(
       data, size,
       "dictionary: ", [](const core::ModelArchive& archive) { return sketch::read_dictionary(archive); },

@@ -4,7 +4,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(motion)(const std::uint8_t* data, std::size_t size) {
   return fuzz::round_trip(
       data, size, "file", [](std::istream& in) { return graph::read_motion(in, "file"); },
       [](std::ostream& out, const graph::MotionGraph& value) { graph::write_motion(out, value); });

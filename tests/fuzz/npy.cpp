@@ -5,7 +5,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(npy)(const std::uint8_t* data, std::size_t size) {
   return fuzz::round_trip(
       data, size, "npy: ", [](std::istream& in) { return core::read_npy(in); },
       [](std::ostream& out, const core::NpyArray& array) { core::write_npy(out, array); });

@@ -20,6 +20,6 @@ dytex::UvMesh read_and_lay_out(std::istream& in) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(obj)(const std::uint8_t* data, std::size_t size) {
   return fuzz::round_trip(data, size, "file", read_and_lay_out, dytex::write_obj);
 }

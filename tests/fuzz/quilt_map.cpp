@@ -7,7 +7,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(quilt_map)(const std::uint8_t* data, std::size_t size) {
   const std::vector<cv::Size> sources{{40, 30}, {7, 5}};
   return fuzz::round_trip(
       data, size, "",

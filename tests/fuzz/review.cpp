@@ -4,7 +4,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(review)(const std::uint8_t* data, std::size_t size) {
   return fuzz::round_trip(
       data, size, "file", [](std::istream& in) { return graph::read_review(in, "file"); },
       [](std::ostream& out, const std::vector<graph::ReviewedEvent>& value) {

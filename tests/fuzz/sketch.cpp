@@ -4,7 +4,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(sketch)(const std::uint8_t* data, std::size_t size) {
   return fuzz::round_trip(
       data, size, "file", [](std::istream& in) { return graph::read_sketch(in, "file"); },
       [](std::ostream& out, const graph::SketchSequence& value) { graph::write_sketch(out, value); });

@@ -5,7 +5,7 @@
 
 using namespace emberfold;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(texture)(const std::uint8_t* data, std::size_t size) {
   return fuzz::archive_round_trip(
       data, size,
       "model: ", [](const core::ModelArchive& archive) { return dytex::linear_dynamic_texture(archive); },

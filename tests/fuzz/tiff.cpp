@@ -51,7 +51,7 @@ void check_axes(const io::TiffAxes& axes, std::size_t pages) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(tiff)(const std::uint8_t* data, std::size_t size) {
   static const TemporaryFile file;
   std::ofstream(file.path, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));

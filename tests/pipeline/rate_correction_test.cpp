@@ -30,7 +30,7 @@ pipeline::ClipModel waiting_model() {
 
 }  // namespace
 
-TEST_CASE("a model waits for the correction of its rates, which its archive alone suffices for") {
+TEST_CASE("a model waits for the correction of its rates, which its archive alone suffices for", "[heavy]") {
   auto model = waiting_model();
   REQUIRE(model.correction);
   CHECK(model.correction->rounds == 1);
@@ -51,7 +51,7 @@ TEST_CASE("a model waits for the correction of its rates, which its archive alon
   CHECK(read.motion == model.motion);
 }
 
-TEST_CASE("strokes are drawn of corrected rates, whoever asks") {
+TEST_CASE("strokes are drawn of corrected rates, whoever asks", "[heavy]") {
   const auto waiting = waiting_model();
   auto corrected = waiting;
   correct_rates(corrected);

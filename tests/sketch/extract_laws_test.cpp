@@ -23,7 +23,7 @@ using graph::AttributeGraph;
 
 namespace {
 
-const cv::Size kSize{200, 160};
+const cv::Size kExtractLawsSize{200, 160};
 
 /// Strokes of three widths, a ring, a T, and a step edge.
 cv::Mat1f scene() {
@@ -31,7 +31,7 @@ cv::Mat1f scene() {
                                      segment({20, 140}, {100, 100}, 5, 1.2), ring({60, 95.3}, 25, 4, 1),
                                      segment({110, 20}, {112.3, 140}, 4, 1),
                                      segment({111, 75.2}, {150, 60}, 3, 1)};
-  return draw(kSize, [&](Point p) {
+  return draw(kExtractLawsSize, [&](Point p) {
     double bare = 1;
     for (const Cover& shape : shapes) bare *= 1 - shape(p);
     return 60 + 60 * reached(graph::dot(p - Point{150, 80}, unit(0.2)), 1.5) + 80 * (1 - bare);
@@ -43,12 +43,13 @@ cv::Mat1f thicket() {
   std::vector<Cover> bright, dark;
   for (int i = 0; i < 60; ++i) {
     const auto part = [&](double step) { return std::fmod(i * step, 1.0); };  // evenly over 0…1
-    const Point middle{kSize.width * part(0.6180339887), kSize.height * part(0.7548776662)};
+    const Point middle{kExtractLawsSize.width * part(0.6180339887),
+                       kExtractLawsSize.height * part(0.7548776662)};
     const Point half = unit(std::numbers::pi * part(0.5698402910)) * (12 + 20 * part(0.3247179572));
     (i % 2 == 0 ? bright : dark)
         .push_back(segment(middle - half, middle + half, 1.5 + 4 * part(0.2207440846), 1));
   }
-  return draw(kSize, [&](Point p) {
+  return draw(kExtractLawsSize, [&](Point p) {
     double up = 1, down = 1;
     for (const Cover& line : bright) up *= 1 - line(p);
     for (const Cover& line : dark) down *= 1 - line(p);

@@ -21,7 +21,7 @@ using graph::PatchType;
 
 namespace {
 
-const cv::Size kSize{140, 140};
+const cv::Size kExtractSize{140, 140};
 constexpr int kAngles = 12;
 
 /// Mean and root mean square of what is put in.
@@ -83,9 +83,9 @@ BarErrors measure_bars(double width, double blur, double sign, double noise) {
   BarErrors errors;
   for (int k = 0; k < kAngles; ++k) {
     const Straight bar = at_angle(k, std::numbers::pi);
-    auto frame =
-        draw(kSize, {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, width, blur)},
-             sign > 0 ? 60 : 180, 80 * sign);
+    auto frame = draw(kExtractSize,
+                      {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, width, blur)},
+                      sign > 0 ? 60 : 180, 80 * sign);
     if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
     add_bar(errors, sketch::extract(frame, {}), bar, width, blur, sign);
   }
@@ -140,11 +140,12 @@ TEST_CASE("A fitted profile shows what the image shows") {
       Spread error;
       for (int k = 0; k < kAngles; ++k) {
         const Straight bar = at_angle(k, std::numbers::pi);
-        const auto frame = draw(kSize, [&](Point p) { return 60 + 80 * seen(bar.across(p), width, blur); });
+        const auto frame =
+            draw(kExtractSize, [&](Point p) { return 60 + 80 * seen(bar.across(p), width, blur); });
         const AttributeGraph found = sketch::extract(frame, {});
         for (std::size_t i = 0; i < found.size(); ++i) {
           const Patch& p = found.patch(i);
-          if (p.width == 0 || !well_inside(p.position, kSize, 12) || found.degree(i) != 2) continue;
+          if (p.width == 0 || !well_inside(p.position, kExtractSize, 12) || found.degree(i) != 2) continue;
           for (double d = -6; d <= 6; d += 0.5) {
             const double enter = reached(d + p.width / 2, p.blur), leave = reached(d - p.width / 2, p.blur);
             const auto left = static_cast<double>(p.left[0]), middle = static_cast<double>(p.middle[0]),
@@ -168,7 +169,7 @@ TEST_CASE("Arcs lie in their middle, not towards the centre as smoothing moves t
         for (int k = 0; k < 3; ++k) {
           const double sign = k == 1 ? -1 : 1;
           const Point centre{69.5 + 0.3 * k, 69.3 - 0.2 * k};
-          auto frame = draw(kSize, {ring(centre, radius, width, 1)}, sign > 0 ? 60 : 180, sign * 80);
+          auto frame = draw(kExtractSize, {ring(centre, radius, width, 1)}, sign > 0 ? 60 : 180, sign * 80);
           if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
           const AttributeGraph found = sketch::extract(frame, {});
           for (std::size_t i = 0; i < found.size(); ++i) {
@@ -191,14 +192,14 @@ TEST_CASE("A line whose sides differ lies in its middle") {
       Spread position, left, right;
       for (int k = 0; k < kAngles; ++k) {
         const Straight bar = at_angle(k, std::numbers::pi);
-        const auto frame = draw(kSize, [&](Point p) {
+        const auto frame = draw(kExtractSize, [&](Point p) {
           const double d = bar.across(p);
           return 60 + 80 * reached(d + width / 2, 1) + (more - 80) * reached(d - width / 2, 1);
         });
         const AttributeGraph found = sketch::extract(frame, {});
         for (std::size_t i = 0; i < found.size(); ++i) {
           const Patch& p = found.patch(i);
-          if (p.width == 0 || p.contrast < 0 || !well_inside(p.position, kSize, 10)) continue;
+          if (p.width == 0 || p.contrast < 0 || !well_inside(p.position, kExtractSize, 10)) continue;
           const bool same_way = graph::dot(unit(p.theta), bar.along()) > 0;
           position.add(bar.across(p.position));
           left.add(static_cast<double>(same_way ? p.left[0] : p.right[0]) - 60);
@@ -223,12 +224,12 @@ TEST_CASE("Step edges: place, blur, both levels, and the sign that the side conv
       std::size_t wrong_sign = 0;
       for (int k = 0; k < kAngles; ++k) {
         const Straight edge = at_angle(k, 2 * std::numbers::pi);
-        auto frame = draw(kSize, [&](Point p) { return 60 + 80 * reached(edge.across(p), blur); });
+        auto frame = draw(kExtractSize, [&](Point p) { return 60 + 80 * reached(edge.across(p), blur); });
         if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
         const AttributeGraph found = sketch::extract(frame, {});
         for (std::size_t i = 0; i < found.size(); ++i) {
           const Patch& p = found.patch(i);
-          if (p.width > 0 || !well_inside(p.position, kSize, 8)) continue;
+          if (p.width > 0 || !well_inside(p.position, kExtractSize, 8)) continue;
           const bool same_way = graph::dot(unit(p.theta), edge.along()) > 0;
           position.add(edge.across(p.position));
           theta.add(graph::orientation_difference(p.theta, edge.theta));
@@ -259,7 +260,7 @@ TEST_CASE("Step edges: place, blur, both levels, and the sign that the side conv
 
 TEST_CASE("A colour frame's patches have its colours, and luma decides what is found") {
   const Straight bar = at_angle(2, std::numbers::pi);
-  const auto cover = draw(kSize, [&](Point p) { return seen(bar.across(p), 6, 1); });
+  const auto cover = draw(kExtractSize, [&](Point p) { return seen(bar.across(p), 6, 1); });
   std::vector<cv::Mat> channels;
   for (const auto& [ground, core] : {std::pair{10.0, 61.0}, {20.0, 224.0}, {30.0, 132.0}})
     channels.emplace_back(cover * (core - ground) + ground);
@@ -269,7 +270,7 @@ TEST_CASE("A colour frame's patches have its colours, and luma decides what is f
   REQUIRE(found.size() >= 20);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Patch& p = found.patch(i);
-    if (!well_inside(p.position, kSize, 12)) continue;
+    if (!well_inside(p.position, kExtractSize, 12)) continue;
     for (const graph::Level& side : {p.left, p.right}) {
       REQUIRE_THAT(static_cast<double>(side[0]), WithinAbs(10, 3));
       REQUIRE_THAT(static_cast<double>(side[1]), WithinAbs(20, 6));
@@ -282,7 +283,7 @@ TEST_CASE("A colour frame's patches have its colours, and luma decides what is f
     REQUIRE_THAT(p.contrast, WithinAbs(luma * seen(0, 6, 1), 8));
   }
   // Grey in three channels is grey.
-  const auto grey = draw(kSize, {segment({20, 30}, {120, 100}, 4, 1)}, 60, 80);
+  const auto grey = draw(kExtractSize, {segment({20, 30}, {120, 100}, 4, 1)}, 60, 80);
   cv::merge(std::vector<cv::Mat>{grey, grey, grey}, frame);
   const AttributeGraph three = sketch::extract(frame, {}), one = sketch::extract(grey, {});
   REQUIRE(three.size() == one.size());
@@ -292,8 +293,8 @@ TEST_CASE("A colour frame's patches have its colours, and luma decides what is f
 
 TEST_CASE("What is clipped at white keeps its place and its levels") {
   const Straight bar = at_angle(5, std::numbers::pi);
-  auto frame =
-      draw(kSize, {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, 6, 1)}, 0, 400);
+  auto frame = draw(kExtractSize,
+                    {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, 6, 1)}, 0, 400);
   cv::min(frame, 255.0F, frame);
   const AttributeGraph found = sketch::extract(frame, {});
   REQUIRE(components(found).count == 1);
@@ -311,7 +312,7 @@ namespace {
 
 /// A stripe of one colour on ground of another: levels of blue, green, red.
 cv::Mat3f stripe(const Straight& bar, double width, cv::Vec3f ground, cv::Vec3f core) {
-  cv::Mat3f frame(kSize);
+  cv::Mat3f frame(kExtractSize);
   for (int y = 0; y < frame.rows; ++y)
     for (int x = 0; x < frame.cols; ++x) {
       const auto cover =
@@ -334,7 +335,7 @@ TEST_CASE("A stripe of another colour but the same luma is found in colour only"
       Spread place, wide, green, red;
       for (std::size_t i = 0; i < found.size(); ++i) {
         const Patch& p = found.patch(i);
-        if (!well_inside(p.position, kSize, 12)) continue;
+        if (!well_inside(p.position, kExtractSize, 12)) continue;
         REQUIRE((p.type == PatchType::ridge || p.type == PatchType::bar));
         place.add(bar.across(p.position));
         wide.add(p.width - width);
@@ -352,8 +353,8 @@ TEST_CASE("A stripe of another colour but the same luma is found in colour only"
 }
 
 TEST_CASE("Colour changes nothing in grey frames") {
-  const auto grey =
-      with_noise(draw(kSize, {segment({20, 30}, {120, 100}, 4, 1), ring({80, 60}, 30, 3, 1)}, 60, 80), 5, 1);
+  const auto grey = with_noise(
+      draw(kExtractSize, {segment({20, 30}, {120, 100}, 4, 1), ring({80, 60}, 30, 3, 1)}, 60, 80), 5, 1);
   cv::Mat three;
   cv::merge(std::vector<cv::Mat>{grey, grey, grey}, three);
   CHECK(sketch::extract(three, {.colour = true}) == sketch::extract(three, {}));
@@ -366,7 +367,7 @@ TEST_CASE("Where luma falls and a colour rises on the same stripe there is one l
       sketch::extract(stripe(bar, 5, {40, 140, 40}, {40, 20, 150}), {.colour = true});
   CHECK(components(found).count == 1);
   for (std::size_t i = 0; i < found.size(); ++i)
-    if (well_inside(found.patch(i).position, kSize, 12))
+    if (well_inside(found.patch(i).position, kExtractSize, 12))
       CHECK_THAT(bar.across(found.patch(i).position), WithinAbs(0, 0.15));
 }
 

@@ -19,8 +19,8 @@ using graph::AttributeGraph;
 
 namespace {
 
-const cv::Size kSize{130, 130};
-constexpr Point kMiddle{64.7, 65.2};
+const cv::Size kExtractTopologySize{130, 130};
+constexpr Point kTopologyMiddle{64.7, 65.2};
 
 /// A drawing of bars, by its segments about the origin.
 struct Drawing {
@@ -36,8 +36,9 @@ Point turned(Point p, double angle) {
 AttributeGraph found_in(const Drawing& drawing, double angle, double sign, double noise) {
   std::vector<Cover> shapes;
   for (const auto& [a, b] : drawing.bars)
-    shapes.push_back(segment(kMiddle + turned(a, angle), kMiddle + turned(b, angle), drawing.width, 1.2));
-  auto frame = draw(kSize, shapes, sign > 0 ? 60 : 180, sign * 80);
+    shapes.push_back(
+        segment(kTopologyMiddle + turned(a, angle), kTopologyMiddle + turned(b, angle), drawing.width, 1.2));
+  auto frame = draw(kExtractTopologySize, shapes, sign > 0 ? 60 : 180, sign * 80);
   if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(1 + 100 * angle));
   return sketch::extract(frame, {});
 }
@@ -169,11 +170,12 @@ TEST_CASE("Two arms whose soft tips leave a gap of 4.5 px stay apart, at one pla
       for (const std::uint64_t seed : {1U, 2U, 3U}) {
         const auto count = [&](double gap) {
           const auto arm = [&](double side) {
-            return segment(kMiddle + turned({side * gap / 2, 0}, angle),
-                           kMiddle + turned({side * 45, rise}, angle), 4, 1.5);
+            return segment(kTopologyMiddle + turned({side * gap / 2, 0}, angle),
+                           kTopologyMiddle + turned({side * 45, rise}, angle), 4, 1.5);
           };
           const Cover left = arm(-1), right = arm(1);
-          const auto frame = draw(kSize, [&](Point p) { return 70 + std::max(70 * left(p), 95 * right(p)); });
+          const auto frame =
+              draw(kExtractTopologySize, [&](Point p) { return 70 + std::max(70 * left(p), 95 * right(p)); });
           return graph::components(sketch::extract(with_noise(frame, 4, seed), {})).count;
         };
         apart += count(4.5) == 2 ? 1 : 0, met += count(0) == 1 ? 1 : 0, ++all;
@@ -187,7 +189,8 @@ TEST_CASE("A ring is one closed curve") {
   for (const double noise : {0.0, 5.0, 15.0})
     for (const double sign : {1.0, -1.0})
       for (const double radius : {18.0, 30.0, 45.0}) {
-        auto frame = draw(kSize, {ring(kMiddle, radius, 4, 1)}, sign > 0 ? 60 : 180, sign * 80);
+        auto frame =
+            draw(kExtractTopologySize, {ring(kTopologyMiddle, radius, 4, 1)}, sign > 0 ? 60 : 180, sign * 80);
         if (noise > 0) frame = with_noise(frame, noise, 3);
         const AttributeGraph found = sketch::extract(frame, {});
         INFO("noise " << noise << ", sign " << sign << ", radius " << radius);
@@ -207,13 +210,14 @@ TEST_CASE("Strokes side by side are two, and what lies between them is none") {
 }
 
 TEST_CASE("Where two lines run close together the ground between is none", "[sketch]") {
-  const Cover one_ring = ring(kMiddle - Point{19, 0}, 24, 4, 1),
-              other_ring = ring(kMiddle + Point{19, 0}, 24, 4, 1);
+  const Cover one_ring = ring(kTopologyMiddle - Point{19, 0}, 24, 4, 1),
+              other_ring = ring(kTopologyMiddle + Point{19, 0}, 24, 4, 1);
   for (const double noise : {0.0, 3.0})
     for (const double sign : {1.0, -1.0}) {
       INFO("noise " << noise << ", sign " << sign);
-      const auto frame =
-          draw(kSize, [&](Point p) { return 120 + sign * 70 * std::max(one_ring(p), other_ring(p)); });
+      const auto frame = draw(kExtractTopologySize, [&](Point p) {
+        return 120 + sign * 70 * std::max(one_ring(p), other_ring(p));
+      });
       const auto of_other_sign = [&](const AttributeGraph& graph) {
         return std::ranges::count_if(graph.vertices(),
                                      [&](const auto& v) { return v.patch.contrast * sign < 0; });
@@ -229,7 +233,9 @@ TEST_CASE("Even frames, ramps and slow waves have no strokes") {
     CHECK(sketch::extract(cv::Mat1f(200, 300, level), {}).empty());
   for (const double slope : {0.1, 0.5, 1.0, 2.0})
     for (const double angle : {0.0, 0.5, 2.2})
-      CHECK(sketch::extract(draw(kSize, [&](Point p) { return 20 + slope * graph::dot(p, unit(angle)); }), {})
+      CHECK(sketch::extract(
+                draw(kExtractTopologySize, [&](Point p) { return 20 + slope * graph::dot(p, unit(angle)); }),
+                {})
                 .empty());
   for (const double length : {40.0, 80.0, 160.0})
     for (const double noise : {0.0, 3.0}) {
@@ -256,9 +262,10 @@ namespace {
 
 /// A bar along the x axis of the frame's middle; `shows`: how much of it, by place along it.
 AttributeGraph found_along(const std::function<double(double)>& shows, double spread, std::uint64_t seed) {
-  const Cover whole = segment(kMiddle - Point{50, 0}, kMiddle + Point{50, 0}, 2 * spread, spread / 2);
-  const Cover seen_of = [&](Point p) { return whole(p) * shows(p.x - kMiddle.x); };
-  return sketch::extract(with_noise(draw(kSize, {seen_of}, 60, 60), 4, seed), {});
+  const Cover whole =
+      segment(kTopologyMiddle - Point{50, 0}, kTopologyMiddle + Point{50, 0}, 2 * spread, spread / 2);
+  const Cover seen_of = [&](Point p) { return whole(p) * shows(p.x - kTopologyMiddle.x); };
+  return sketch::extract(with_noise(draw(kExtractTopologySize, {seen_of}, 60, 60), 4, seed), {});
 }
 
 }  // namespace
@@ -271,7 +278,7 @@ TEST_CASE("A narrow gap cuts a line, also where the line is wide", "[sketch][gap
         const auto graph = found_along([&](double x) { return 1 - seen(x - 3, gap, 1); }, spread, seed);
         CHECK(graph::components(graph).count == 2);
         for (const auto& vertex : graph.vertices())
-          CHECK(std::abs(vertex.patch.position.x - kMiddle.x - 3) > gap / 2 - 2);
+          CHECK(std::abs(vertex.patch.position.x - kTopologyMiddle.x - 3) > gap / 2 - 2);
       }
 }
 

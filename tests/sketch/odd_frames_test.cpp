@@ -24,13 +24,13 @@ using sketch::Sketchable;
 
 namespace {
 
-const cv::Size kSize{96, 80};
+const cv::Size kOddFramesSize{96, 80};
 const Point kFrom{20.3, 24.6}, kTo{74.8, 52.1};
 constexpr double kWidth = 5;
 
 /// A bar that lies askew to the pixel grid.
 cv::Mat1f bar(double ground, double contrast) {
-  return draw(kSize, {segment(kFrom, kTo, kWidth, 1)}, ground, contrast);
+  return draw(kOddFramesSize, {segment(kFrom, kTo, kWidth, 1)}, ground, contrast);
 }
 
 double off_the_bar(Point p) {
@@ -97,10 +97,10 @@ TEST_CASE("Constant frames of any level have no strokes, and nothing to draw", "
   for (const float level : {0.0F, 0.4F, 128.0F, 255.0F, -40.0F, 4000.0F})
     for (const int channels : {1, 3}) {
       INFO("level " << level << ", " << channels << " channels");
-      const cv::Mat frame(kSize, CV_32FC(channels), cv::Scalar::all(static_cast<double>(level)));
+      const cv::Mat frame(kOddFramesSize, CV_32FC(channels), cv::Scalar::all(static_cast<double>(level)));
       const AttributeGraph found = sketch::extract(frame, {});
       REQUIRE(found.empty());
-      CHECK(sketch::draw_fitted(found, kSize, channels).share() == 0);
+      CHECK(sketch::draw_fitted(found, kOddFramesSize, channels).share() == 0);
       CHECK(sketch::draw_pixels(found, frame).share() == 0);
     }
 }
@@ -123,8 +123,8 @@ TEST_CASE("A black bar on white is a valley between white sides, and comes back 
   const cv::Mat1f filled = sketch::fill(held.levels, held.mask).levels;
   const Point along = (kTo - kFrom) * (1 / graph::distance(kFrom, kTo));
   double worst = 0;  // but for the bar's square ends
-  for (int y = 0; y < kSize.height; ++y)
-    for (int x = 0; x < kSize.width; ++x) {
+  for (int y = 0; y < kOddFramesSize.height; ++y)
+    for (int x = 0; x < kOddFramesSize.width; ++x) {
       const double s = graph::dot(Point{static_cast<double>(x), static_cast<double>(y)} - kFrom, along);
       if (s < 6 || s > graph::distance(kFrom, kTo) - 6) continue;
       worst = std::max(worst, static_cast<double>(std::abs(filled(y, x) - frame(y, x))));
@@ -160,7 +160,7 @@ TEST_CASE("On a chequerboard of black and white squares every side is a step, an
 
 TEST_CASE("A chequerboard of single pixels holds no stroke", "[sketch]") {
   const cv::Mat1f frame =
-      draw(kSize, [](Point p) { return static_cast<int>(p.x + p.y) % 2 == 0 ? 0.0 : 255.0; });
+      draw(kOddFramesSize, [](Point p) { return static_cast<int>(p.x + p.y) % 2 == 0 ? 0.0 : 255.0; });
   CHECK(sketch::extract(frame, {}).empty());
 }
 

@@ -46,7 +46,7 @@ std::pair<double, double> true_sway(const std::string& truth) {
 
 }  // namespace
 
-TEST_CASE("The motion model finds the sway that a built-in clip was made with") {
+TEST_CASE("The motion model finds the sway that a built-in clip was made with", "[slow]") {
   const auto scene = GENERATE(apps::BuiltinScene::fire, apps::BuiltinScene::cloth, apps::BuiltinScene::river);
   const auto made = apps::make_builtin({.scene = scene, .seed = 5, .frames = 80});
   const auto [a1, a2] = true_sway(made.truth_json);

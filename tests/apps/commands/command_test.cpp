@@ -481,7 +481,7 @@ TEST_CASE("score: the table, the JSON and what a reader refuses") {
       {"odd.json", "bang"});
 }
 
-TEST_CASE("demo makes its clip, and what it scores is what the score command says of its files") {
+TEST_CASE("demo makes its clip, and what it scores is what the score command says of its files", "[slow]") {
   const TempFolder temp;
   const auto out = temp / "demo";
   const auto result = run_command({"demo", "-o", out.string(), "--clip", "cloth", "--seed", "3"});

@@ -11,6 +11,7 @@
 #include "core/io/clip_reader.hpp"
 #include "core/io/clip_writer.hpp"
 #include "tests/apps/commands/command_check.hpp"
+#include "tests/support/read_clip.hpp"
 
 namespace emberfold::test {
 
@@ -36,10 +37,6 @@ struct LearnedClip {
     REQUIRE(result.exit == 0);
   }
 };
-
-inline core::Clip read_clip(const std::filesystem::path& path) {
-  return core::read_all(*apps::open_clip(path.string(), {}, {}));
-}
 
 inline void replace_in(const std::filesystem::path& file, const std::string& from, const std::string& to) {
   std::string text = bytes_of(file);

@@ -19,6 +19,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/read_clip.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;
@@ -31,15 +32,9 @@ std::vector<std::string> warnings_of(const std::function<void(const core::Warn&)
   return lines;
 }
 
-core::Clip read(const std::filesystem::path& path, const io::ReadOptions& options = {},
-                const core::Warn& warn = {}) {
-  const auto source = io::open_video(path.string(), options, warn);
-  return core::read_all(*source);
-}
-
 template <class Error>
 std::string open_error(const std::filesystem::path& path, const io::ReadOptions& options = {}) {
-  return message_of<Error>([&] { read(path, options); });
+  return message_of<Error>([&] { read_clip(path, options); });
 }
 
 /// A lossless video of noise; the same frames again from noise_frame(size, type, index + 1).
@@ -122,17 +117,17 @@ TEST_CASE("a folder of images is read in natural order, grey staying grey") {
                 cv::Mat(6, 8, CV_8UC1, cv::Scalar(i)));
   std::ofstream(folder / "notes.txt") << "not an image";
   std::ofstream(folder / ".hidden.png") << "not an image either";
-  const core::Clip clip = read(folder.path());
+  const core::Clip clip = read_clip(folder.path());
   REQUIRE(clip.frames.size() == 6);
   CHECK(clip.info == core::ClipInfo{8, 6, 1, CV_8U, 25, 255, 6, false});
   std::vector<int> order;
   for (const auto& frame : clip.frames) order.push_back(frame.at<std::uint8_t>(0, 0));
   CHECK(order == std::vector<int>{1, 2, 9, 10, 11, 100});
 
-  CHECK(read(folder / "img1*.png").frames.size() == 4);
-  CHECK(read(folder / "img%d.png").frames.size() == 6);
-  CHECK(read(folder / "img%02d.png").frames.size() == 3);
-  CHECK(read(folder / "img9.png").frames.size() == 1);
+  CHECK(read_clip(folder / "img1*.png").frames.size() == 4);
+  CHECK(read_clip(folder / "img%d.png").frames.size() == 6);
+  CHECK(read_clip(folder / "img%02d.png").frames.size() == 3);
+  CHECK(read_clip(folder / "img9.png").frames.size() == 1);
 }
 
 TEST_CASE("ranges, rewinding and the number of frames agree for images and videos") {
@@ -167,7 +162,7 @@ TEST_CASE("ranges, rewinding and the number of frames agree for images and video
     options.last = 20;
     std::size_t frames = 0;
     const auto lines = warnings_of(
-        [&](const core::Warn& warn) { frames = read(folder / name, options, warn).frames.size(); });
+        [&](const core::Warn& warn) { frames = read_clip(folder / name, options, warn).frames.size(); });
     CHECK(frames == 2);
     REQUIRE(lines.size() == 1);
     CHECK(contains(lines[0], "has 12 frames"));
@@ -178,20 +173,20 @@ TEST_CASE("16-bit images are white at their true range, over all frames") {
   const TempFolder folder;
   cv::imwrite((folder / "a1.png").string(), cv::Mat(4, 4, CV_16UC1, cv::Scalar(200)));
   cv::imwrite((folder / "a2.png").string(), cv::Mat(4, 4, CV_16UC1, cv::Scalar(2049)));
-  const core::Clip twelve = read(folder.path());
+  const core::Clip twelve = read_clip(folder.path());
   CHECK(twelve.info.depth == CV_16U);
   CHECK(twelve.info.white == 4095);
   CHECK(twelve.frames[1].at<std::uint16_t>(0, 0) == 2049);
   io::ReadOptions first;
   first.last = 1;
-  CHECK(read(folder.path(), first).info.white == 4095);
-  CHECK(read(folder / "a1.png").info.white == 255);
+  CHECK(read_clip(folder.path(), first).info.white == 4095);
+  CHECK(read_clip(folder / "a1.png").info.white == 255);
   cv::imwrite((folder / "a3.png").string(), cv::Mat(4, 4, CV_16UC3, cv::Scalar(1, 2, 65535)));
   CHECK(contains(open_error<core::IoError>(folder.path()), "a3.png"));
   io::ReadOptions grey;
   grey.grey = true;
-  CHECK(read(folder.path(), grey).info.white == 32767);  // red alone: 0.299 of the full range
-  CHECK(read(folder / "a3.png").info.white == 65535);
+  CHECK(read_clip(folder.path(), grey).info.white == 32767);  // red alone: 0.299 of the full range
+  CHECK(read_clip(folder / "a3.png").info.white == 65535);
 }
 
 TEST_CASE("alpha is dropped with one warning") {
@@ -204,7 +199,8 @@ TEST_CASE("alpha is dropped with one warning") {
   core::Clip clip;
   io::ReadOptions options;
   options.fps = 25;
-  const auto lines = warnings_of([&](const core::Warn& warn) { clip = read(folder.path(), options, warn); });
+  const auto lines =
+      warnings_of([&](const core::Warn& warn) { clip = read_clip(folder.path(), options, warn); });
   REQUIRE(lines.size() == 1);
   CHECK(contains(lines[0], "alpha"));
   CHECK(clip.info.channels == 3);
@@ -215,7 +211,7 @@ TEST_CASE("grey images in a colour clip are spread, colour in a grey clip is ref
   const TempFolder folder;
   cv::imwrite((folder / "a1.png").string(), noise_frame({9, 7}, CV_8UC3, 1));
   cv::imwrite((folder / "a2.png").string(), noise_frame({9, 7}, CV_8UC1, 2));
-  const core::Clip clip = read(folder.path());
+  const core::Clip clip = read_clip(folder.path());
   REQUIRE(clip.frames.size() == 2);
   cv::Mat grey;
   cv::extractChannel(clip.frames[1], grey, 2);
@@ -227,7 +223,7 @@ TEST_CASE("grey images in a colour clip are spread, colour in a grey clip is ref
   CHECK(contains(error, "a1.png is in colour"));
   io::ReadOptions options;
   options.grey = true;
-  CHECK(read(folder.path(), options).frames.size() == 3);
+  CHECK(read_clip(folder.path(), options).frames.size() == 3);
 }
 
 TEST_CASE("scaling down averages areas, scaling up keeps flat regions, grey is luma") {
@@ -236,7 +232,7 @@ TEST_CASE("scaling down averages areas, scaling up keeps flat regions, grey is l
   cv::imwrite((folder / "a.png").string(), frame);
   io::ReadOptions options;
   options.scale = 0.5;
-  const cv::Mat half = read(folder / "a.png", options).frames.at(0);
+  const cv::Mat half = read_clip(folder / "a.png", options).frames.at(0);
   REQUIRE(half.size() == cv::Size(4, 3));
   for (int y = 0; y < 3; ++y)
     for (int x = 0; x < 4; ++x) {
@@ -244,11 +240,11 @@ TEST_CASE("scaling down averages areas, scaling up keeps flat regions, grey is l
       for (int c = 0; c < 3; ++c) CHECK_THAT(half.at<cv::Vec3b>(y, x)[c], WithinAbs(mean[c], 0.51));
     }
   options.scale = 0.01;
-  CHECK(read(folder / "a.png", options).frames.at(0).size() == cv::Size(1, 1));
+  CHECK(read_clip(folder / "a.png", options).frames.at(0).size() == cv::Size(1, 1));
 
   options.scale = 1;
   options.grey = true;
-  const cv::Mat grey = read(folder / "a.png", options).frames.at(0);
+  const cv::Mat grey = read_clip(folder / "a.png", options).frames.at(0);
   REQUIRE(grey.type() == CV_8UC1);
   for (int y = 0; y < 6; ++y)
     for (int x = 0; x < 8; ++x) {
@@ -260,7 +256,7 @@ TEST_CASE("scaling down averages areas, scaling up keeps flat regions, grey is l
   steps(cv::Rect(0, 0, 4, 8)).setTo(4095);
   cv::imwrite((folder / "deep.png").string(), steps);
   options.scale = 3;
-  const cv::Mat large = read(folder / "deep.png", options).frames.at(0);
+  const cv::Mat large = read_clip(folder / "deep.png", options).frames.at(0);
   double most = 0;
   cv::minMaxLoc(large, nullptr, &most);
   CHECK(most == 4095);  // bicubic overshoot never passes white
@@ -357,7 +353,8 @@ TEST_CASE("a frame rate that cannot be is taken as 25, with a warning") {
   bytes.replace(header + 8 + 20, 8, std::string("\1\0\0\0\xD0\7\0\0", 8));  // scale 1, rate 2000
   std::ofstream(folder / "fast.avi", std::ios::binary) << bytes;
   core::Clip clip;
-  const auto lines = warnings_of([&](const core::Warn& warn) { clip = read(folder / "fast.avi", {}, warn); });
+  const auto lines =
+      warnings_of([&](const core::Warn& warn) { clip = read_clip(folder / "fast.avi", {}, warn); });
   CHECK(clip.info.fps == 25);
   CHECK(clip.frames.size() == 5);
   REQUIRE(lines.size() == 1);
@@ -380,7 +377,7 @@ TEST_CASE("videos decode to the same bytes at any thread count") {
     const core::ThreadLimit limit(threads);
     io::ReadOptions options;
     options.scale = 0.7;
-    clips.push_back(read(folder / "clip.mp4", options));
+    clips.push_back(read_clip(folder / "clip.mp4", options));
     REQUIRE(clips.back().frames.size() == 20);
     for (std::size_t i = 0; i < 20; ++i) CHECK(same_pixels(clips.back().frames[i], clips.front().frames[i]));
   }
@@ -411,7 +408,7 @@ TEST_CASE("a rotation flag turns the frames") {
                             20));
   std::ofstream(folder / "turned.mp4", std::ios::binary) << bytes;
 
-  const core::Clip clip = read(folder / "turned.mp4");
+  const core::Clip clip = read_clip(folder / "turned.mp4");
   CHECK(clip.info.width == 32);
   CHECK(clip.info.height == 64);
   REQUIRE(clip.frames.size() == 3);

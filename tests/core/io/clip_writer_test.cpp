@@ -20,6 +20,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/read_clip.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;
@@ -39,10 +40,6 @@ void write(const fs::path& path, const std::vector<cv::Mat>& frames, double fps 
   writer->finish();
 }
 
-core::Clip read(const fs::path& path) {
-  return core::read_all(*io::open_video(path.string(), {}, {}));
-}
-
 std::vector<cv::Mat> noise(cv::Size size, int type, std::uint64_t frames, std::uint32_t limit = 256) {
   std::vector<cv::Mat> clip;
   for (std::uint64_t i = 0; i < frames; ++i) clip.push_back(noise_frame(size, type, i, limit));
@@ -59,7 +56,7 @@ TEST_CASE("avi and PNG give back every byte, grey and colour") {
       INFO(name << " type " << type);
       const auto frames = noise({34, 26}, type, 7, CV_MAT_DEPTH(type) == CV_16U ? 65536 : 256);
       write(folder / name, frames, 12.5);
-      const core::Clip back = read(folder / name);
+      const core::Clip back = read_clip(folder / name);
       REQUIRE(back.frames.size() == frames.size());
       CHECK(back.info.channels == CV_MAT_CN(type));
       CHECK(back.info.fps == (std::string(name) == "images" ? 25 : 12.5));
@@ -73,7 +70,7 @@ TEST_CASE("a pattern names the frames of a folder, as PNG and as EXR in linear l
   write(folder / "shots/fire_%03d.png", frames);
   CHECK(names_in(folder / "shots") ==
         std::vector<std::string>{"fire_000.png", "fire_001.png", "fire_002.png"});
-  CHECK(same_pixels(read(folder / "shots/fire_%03d.png").frames[2], frames[2]));
+  CHECK(same_pixels(read_clip(folder / "shots/fire_%03d.png").frames[2], frames[2]));
   write(folder / "light/%d.exr", frames);
   CHECK(names_in(folder / "light") == std::vector<std::string>{"0.exr", "1.exr", "2.exr"});
   const cv::Mat light = cv::imread((folder / "light/1.exr").string(), cv::IMREAD_UNCHANGED);
@@ -137,7 +134,7 @@ TEST_CASE("an odd size gets its last row and column once more") {
   const TempFolder folder;
   const auto frames = noise({33, 21}, CV_8UC3, 2);
   write(folder / "clip.avi", frames);
-  const core::Clip back = read(folder / "clip.avi");
+  const core::Clip back = read_clip(folder / "clip.avi");
   REQUIRE(back.info.width == 34);
   REQUIRE(back.info.height == 22);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -146,9 +143,9 @@ TEST_CASE("an odd size gets its last row and column once more") {
     CHECK(same_pixels(back.frames[i].row(21).colRange(0, 33).clone(), frames[i].row(20).clone()));
   }
   write(folder / "clip.mp4", frames);
-  CHECK(read(folder / "clip.mp4").info.width == 34);
+  CHECK(read_clip(folder / "clip.mp4").info.width == 34);
   write(folder / "tiny.mp4", noise({1, 1}, CV_8UC1, 3));
-  CHECK(read(folder / "tiny.mp4").frames.size() == 3);
+  CHECK(read_clip(folder / "tiny.mp4").frames.size() == 3);
 }
 
 TEST_CASE("mp4 is H.264 in 4:2:0 and close to what was written") {
@@ -164,7 +161,7 @@ TEST_CASE("mp4 is H.264 in 4:2:0 and close to what was written") {
     frames.push_back(frame);
   }
   write(folder / "clip.mp4", frames, 29.97);
-  const core::Clip back = read(folder / "clip.mp4");
+  const core::Clip back = read_clip(folder / "clip.mp4");
   REQUIRE(back.frames.size() == 12);
   CHECK_THAT(back.info.fps, Catch::Matchers::WithinAbs(29.97, 0.001));
   for (std::size_t i = 0; i < 12; ++i) {
@@ -183,7 +180,7 @@ TEST_CASE("mp4 is H.264 in 4:2:0 and close to what was written") {
   CHECK(bytes_of(folder / "clip.mp4") == bytes_of(folder / "again.mp4"));
   std::vector<cv::Mat> grey = noise({32, 32}, CV_8UC1, 2);
   write(folder / "grey.mp4", grey);
-  CHECK(read(folder / "grey.mp4").frames.size() == 2);
+  CHECK(read_clip(folder / "grey.mp4").frames.size() == 2);
 }
 
 TEST_CASE("mp4 has the same bytes on one processor and on all, idle and under load") {
@@ -234,9 +231,9 @@ TEST_CASE("two writers of one name do not mix: the last that finishes has its ow
       if (t < 5) second->write(noise_frame({32, 24}, CV_8UC3, 100 + t));
     }
     first->finish();
-    CHECK(read(folder / name).frames.size() == 9);
+    CHECK(read_clip(folder / name).frames.size() == 9);
     second->finish();
-    CHECK(read(folder / name).frames.size() == 5);
+    CHECK(read_clip(folder / name).frames.size() == 5);
   }
   CHECK(names_in(folder.path()) == std::vector<std::string>{"clip", "clip.avi", "clip.mp4"});
 }
@@ -270,14 +267,14 @@ TEST_CASE("a clip written over another replaces it only at finish") {
     {
       const auto writer = io::create_video(folder / name, {16, 16}, 25, false);
       writer->write(noise_frame({16, 16}, CV_8UC1, 77));
-      CHECK(read(folder / name).frames.size() == 5);
+      CHECK(read_clip(folder / name).frames.size() == 5);
       writer->finish();
       CHECK_FALSE(message_of<core::InputError>([&] { writer->finish(); }).empty());
       CHECK_FALSE(message_of<core::InputError>([&] {
                     writer->write(noise_frame({16, 16}, CV_8UC1, 7));
                   }).empty());
     }
-    const core::Clip back = read(folder / name);
+    const core::Clip back = read_clip(folder / name);
     REQUIRE(back.frames.size() == 1);
     CHECK(same_pixels(back.frames[0], noise_frame({16, 16}, CV_8UC1, 77)));
   }
@@ -350,7 +347,7 @@ TEST_CASE("targets and frames that cannot be are refused with a line that says w
   images->write(noise_frame({8, 8}, CV_8UC1, 1));
   CHECK(contains(input_error([&] { images->write(cv::Mat(8, 8, CV_16UC1)); }), "do not mix"));
   images->finish();
-  CHECK(read(folder / "c").info.channels == 3);
+  CHECK(read_clip(folder / "c").info.channels == 3);
 }
 
 TEST_CASE("a video file that lacks its last bytes is known for it") {

@@ -69,7 +69,7 @@ double error_of(const core::CameraMotion& found, const core::CameraMotion& wante
 
 }  // namespace
 
-TEST_CASE("drift of the camera is found and taken out, whatever moves in front") {
+TEST_CASE("drift of the camera is found and taken out, whatever moves in front", "[heavy]") {
   for (const bool turns : {false, true})
     for (const bool with_bar : {false, true}) {
       INFO("turns " << turns << ", bar " << with_bar);

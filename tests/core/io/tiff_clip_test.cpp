@@ -12,6 +12,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/read_clip.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;
@@ -39,17 +40,13 @@ std::vector<cv::Mat> noise_pages(cv::Size size, int type, int count, std::uint32
   return pages;
 }
 
-core::Clip read(const fs::path& path, const io::ReadOptions& options = {}, const core::Warn& warn = {}) {
-  return core::read_all(*io::open_video(path.string(), options, warn));
-}
-
 void check_frames(const core::Clip& clip, const std::vector<cv::Mat>& pages) {
   REQUIRE(clip.frames.size() == pages.size());
   for (std::size_t i = 0; i < pages.size(); ++i) CHECK(same_pixels(clip.frames[i], pages[i]));
 }
 
 std::string refusal(const fs::path& path) {
-  return message_of<core::IoError>([&] { read(path); });
+  return message_of<core::IoError>([&] { read_clip(path); });
 }
 
 }  // namespace
@@ -61,7 +58,7 @@ TEST_CASE("the pages of a TIFF are the frames of a clip, to the last bit") {
     for (const int compression : {1, 5}) {  // none, LZW
       INFO("type " << type << ", compression " << compression);
       const auto pages = write_stack(path, noise_pages({13, 7}, type, 9, 1000), compression);
-      const auto clip = read(path);
+      const auto clip = read_clip(path);
       check_frames(clip, pages);
       const double white = CV_MAT_DEPTH(type) == CV_8U ? 255 : CV_MAT_DEPTH(type) == CV_16U ? 1023 : 1;
       CHECK(clip.info == core::ClipInfo{13, 7, CV_MAT_CN(type), CV_MAT_DEPTH(type), 25, white, 9, false});
@@ -81,12 +78,12 @@ TEST_CASE("a stack is read from any page, again and again, in grey and scaled") 
     source->rewind();
   }
   options.grey = true, options.scale = 0.5;
-  const auto small = read(temp / "stack.tiff", options);
+  const auto small = read_clip(temp / "stack.tiff", options);
   CHECK(small.info.channels == 1);
   CHECK(small.frames.at(9).size() == cv::Size(8, 6));
   io::ReadOptions late;
   late.first = 2100;
-  CHECK(message_of<core::InputError>([&] { read(temp / "stack.tiff", late); }).find("2100 frames") !=
+  CHECK(message_of<core::InputError>([&] { read_clip(temp / "stack.tiff", late); }).find("2100 frames") !=
         std::string::npos);
 }
 
@@ -103,7 +100,7 @@ TEST_CASE("white of floats is 1, or all ones in the bits of the largest value") 
     std::vector<cv::Mat> pages{cv::Mat(4, 5, CV_32FC1, cv::Scalar(most)),
                                cv::Mat(4, 5, CV_32FC1, cv::Scalar(-0.5))};
     write_stack(path, pages);
-    const auto clip = read(path);
+    const auto clip = read_clip(path);
     CHECK(clip.info.white == white);
     check_frames(clip, pages);
     const cv::Mat levels = core::to_levels(clip.frames[0], clip.info);
@@ -111,9 +108,9 @@ TEST_CASE("white of floats is 1, or all ones in the bits of the largest value") 
   }
   // one page of floats is a clip of one frame, of doubles too
   cv::imwrite(path.string(), float_frame({6, 5}, 1, 3));
-  CHECK(read(path).info.depth == CV_32F);
+  CHECK(read_clip(path).info.depth == CV_32F);
   write_stack(path, {cv::Mat(4, 5, CV_64FC1, cv::Scalar(0.5)), cv::Mat(4, 5, CV_64FC1, cv::Scalar(0.25))});
-  CHECK(read(path).frames.at(1).at<float>(3, 4) == 0.25F);
+  CHECK(read_clip(path).frames.at(1).at<float>(3, 4) == 0.25F);
   cv::Mat bad(4, 5, CV_32FC1, cv::Scalar(0.5));
   bad.at<float>(1, 1) = std::numeric_limits<float>::quiet_NaN();
   write_stack(path, {bad, bad});
@@ -126,9 +123,9 @@ TEST_CASE("one page stays one image, and a folder of TIFFs one image a frame") {
   const auto pages = noise_pages({10, 8}, CV_16UC1, 3, 4096);
   for (std::size_t i = 0; i < 3; ++i)
     cv::imwrite((temp / "frames/f").string() + std::to_string(i) + ".tif", pages[i]);
-  check_frames(read(temp / "frames"), pages);
-  check_frames(read(temp / "frames/f*.tif"), pages);
-  check_frames(read(temp / "frames/f1.tif"), {pages[1]});
+  check_frames(read_clip(temp / "frames"), pages);
+  check_frames(read_clip(temp / "frames/f*.tif"), pages);
+  check_frames(read_clip(temp / "frames/f1.tif"), {pages[1]});
   CHECK(io::read_image(temp / "frames/f1.tif").pages == 1);
 
   // several pages in a folder of images: the first counts, and that is told once
@@ -137,7 +134,8 @@ TEST_CASE("one page stays one image, and a folder of TIFFs one image a frame") {
   std::vector<std::string> told;
   io::ReadOptions options;
   options.fps = 25;
-  check_frames(read(temp / "frames", options, [&](const std::string& line) { told.push_back(line); }), pages);
+  check_frames(read_clip(temp / "frames", options, [&](const std::string& line) { told.push_back(line); }),
+               pages);
   REQUIRE(told.size() == 1);
   CHECK(contains(told[0], "f1.tif has 2 pages"));
 }
@@ -171,7 +169,7 @@ TEST_CASE(
       std::string hurt = bytes;
       hurt[rng.below(static_cast<std::uint32_t>(hurt.size()))] = static_cast<char>(rng.below(256));
       put(hurt);
-      const auto message = message_of<std::exception>([&] { read(path); });
+      const auto message = message_of<std::exception>([&] { read_clip(path); });
       CHECK_FALSE(contains(message, "\n"));
       CHECK((message.empty() || contains(message, "hurt.tif")));
     }

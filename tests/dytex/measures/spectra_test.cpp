@@ -127,7 +127,7 @@ TEST_CASE("a distance of spectra is 0 for equals and symmetric and counts decibe
   CHECK_THAT(log_spectral_distance(none, little), WithinAbs(10 * std::log10(2.0), 1e-12));
 }
 
-TEST_CASE("each way to get a texture wrong is told in its own way") {
+TEST_CASE("each way to get a texture wrong is told in its own way", "[heavy]") {
   const int frames = 192;
   const auto source = waves(frames, 11);
   const auto truth = spectra(source);

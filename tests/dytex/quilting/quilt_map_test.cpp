@@ -27,12 +27,9 @@ std::vector<std::int32_t> rows_of(const dytex::QuiltMap& map) {
 
 std::string refusal(std::vector<std::int32_t> rows) {
   const std::size_t count = rows.size() / 6;
-  try {
+  return test::message_of<core::InputError>([&] {
     (void)dytex::quilt_map({{count, 6}, false, std::move(rows)}, kSizes);
-  } catch (const core::InputError& error) {
-    return error.what();
-  }
-  return "nothing was refused";
+  });
 }
 
 }  // namespace

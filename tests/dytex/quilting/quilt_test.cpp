@@ -16,6 +16,7 @@
 #include "dytex/quilting/render.hpp"
 #include "tests/dytex/quilting/quilt_make.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;
@@ -37,18 +38,9 @@ std::vector<std::tuple<int, int, int, int, int>> places(const dytex::QuiltResult
   return all;
 }
 
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const core::InputError& error) {
-    return error.what();
-  }
-  return "nothing was refused";
-}
-
 }  // namespace
 
-TEST_CASE("the search in the basis and the exhaustive one choose alike") {
+TEST_CASE("the search in the basis and the exhaustive one choose alike", "[heavy]") {
   // With much grain most of what a trajectory holds is outside of the basis.
   const auto [type, grain] =
       GENERATE(std::tuple(CV_8UC1, 0.0), std::tuple(CV_8UC3, 0.1), std::tuple(CV_16UC1, 0.03),
@@ -92,7 +84,7 @@ TEST_CASE("every pixel of a quilt is a source pixel at all times bit by bit") {
   }
 }
 
-TEST_CASE("a quilt has the same bytes at any number of threads") {
+TEST_CASE("a quilt has the same bytes at any number of threads", "[heavy]") {
   const auto source = held(made_lapse({60, 50}, 20, CV_8UC3, 6, 0.05));
   auto options = small_options();
   options.size = {150, 120};
@@ -217,7 +209,7 @@ TEST_CASE("a quilt goes on where an earlier run stopped") {
   CHECK(told.back() == whole.choices.size());
   auto other = small_options();
   other.block = {20, 20};
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(test::message_of<core::InputError>([&] {
                quilted(held(made_lapse({24, 24}, 2)), other, run);
              }),
              Contains("do not belong to this quilt"));
@@ -279,7 +271,7 @@ TEST_CASE("odd input to quilting is defined") {
 TEST_CASE("quilting refuses what cannot be in one line") {
   const auto source = held(made_lapse({30, 28}, 3));
   auto options = small_options();
-  const auto refused = [&] { return refusal([&] { quilted(source, options); }); };
+  const auto refused = [&] { return test::message_of<core::InputError>([&] { quilted(source, options); }); };
   SECTION("block") {
     options.block = {32, 16};
     CHECK_THAT(refused(), Contains("block is 32x16") && Contains("30x28"));
@@ -313,15 +305,18 @@ TEST_CASE("quilting refuses what cannot be in one line") {
     cv::Mat all(28, 30, CV_8U, cv::Scalar(0));
     all.at<unsigned char>(14, 15) = 1;  // in every block
     const std::vector<dytex::QuiltSource> sources{{&source, all, {}}};
-    CHECK_THAT(refusal([&] { dytex::quilt(sources, options); }), Contains("leaves no place"));
+    CHECK_THAT(test::message_of<core::InputError>([&] { dytex::quilt(sources, options); }),
+               Contains("leaves no place"));
   }
   SECTION("a mask of another size") {
     const std::vector<dytex::QuiltSource> sources{{&source, cv::Mat::zeros(4, 5, CV_8U), {}}};
-    CHECK_THAT(refusal([&] { dytex::quilt(sources, options); }), Contains("mask 5x4"));
+    CHECK_THAT(test::message_of<core::InputError>([&] { dytex::quilt(sources, options); }),
+               Contains("mask 5x4"));
   }
   SECTION("sources that differ") {
     const auto longer = held(made_lapse({30, 28}, 4));
     const std::vector<dytex::QuiltSource> sources{{&source, {}, {}}, {&longer, {}, {}}};
-    CHECK_THAT(refusal([&] { dytex::quilt(sources, options); }), Contains("4 frames"));
+    CHECK_THAT(test::message_of<core::InputError>([&] { dytex::quilt(sources, options); }),
+               Contains("4 frames"));
   }
 }

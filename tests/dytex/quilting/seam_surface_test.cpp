@@ -162,7 +162,7 @@ TEST_CASE("seams of a source that stands still do not move") {
   CHECK(steps_at_seams(moving.map, source) < steps_at_seams(still.map, source));
 }
 
-TEST_CASE("seams move alike at any number of threads") {
+TEST_CASE("seams move alike at any number of threads", "[heavy]") {
   const auto source = held(made_lapse({60, 50}, 20, CV_8UC3, 6, 0.05));
   auto options = moving_options();
   options.size = {150, 120};

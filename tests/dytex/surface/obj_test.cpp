@@ -19,12 +19,7 @@ namespace {
 const std::string kPoints = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
 
 std::string refusal(const std::string& text) {
-  try {
-    mesh_of(text);
-  } catch (const core::IoError& error) {
-    return error.what();
-  }
-  return "read";
+  return test::message_of<core::IoError>([&] { mesh_of(text); });
 }
 
 double area_of(const std::vector<cv::Point2d>& corners) {

@@ -116,7 +116,7 @@ constexpr auto about = [](double value, double share) { return Catch::Matchers::
 
 }  // namespace
 
-TEST_CASE("The law of a simulated motion is recovered", "[moments]") {
+TEST_CASE("The law of a simulated motion is recovered", "[moments][heavy]") {
   // a1, a2, coupling, noise, range, measurement: inert, sluggish, oscillating; long and short ranges.
   const auto truth =
       GENERATE(Autoregression{1.6, -0.7, 0, 0.3, 25, 0}, Autoregression{1.1, -0.3, 0, 1, 12, 0},

@@ -313,7 +313,7 @@ TEST_CASE("A rate's interval leaves a twentieth of a Gamma law on either side", 
   CHECK_THROWS_AS(mcmc::rate_interval(1, 0, 0, 0, 0), core::InputError);
 }
 
-TEST_CASE("Intervals hold the true rate nine times in ten", "[rates]") {
+TEST_CASE("Intervals hold the true rate nine times in ten", "[rates][heavy]") {
   constexpr int trials = 4000;
   for (const double expected : {3.0, 10.0, 31.0, 120.0}) {
     core::Rng rng(31, {static_cast<std::uint32_t>(expected), 0, 0});

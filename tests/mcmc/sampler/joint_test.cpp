@@ -320,14 +320,14 @@ void check_ranks(std::uint32_t data_sets, int steps) {
 
 }  // namespace
 
-TEST_CASE("States and rates by turns have the law they are drawn from", "[mcmc][joint]") {
+TEST_CASE("States and rates by turns have the law they are drawn from", "[mcmc][joint][heavy]") {
   check_joint(2000, 6, 40);
 }
 TEST_CASE("Closely: states and rates by turns have the law they are drawn from", "[mcmc][joint][slow]") {
   check_joint(10000, 15, 60);
 }
 
-TEST_CASE("The truth ranks anywhere among posterior draws", "[mcmc][joint]") {
+TEST_CASE("The truth ranks anywhere among posterior draws", "[mcmc][joint][heavy]") {
   check_ranks(400, 50);
 }
 TEST_CASE("Closely: the truth ranks anywhere among posterior draws", "[mcmc][joint][slow]") {

@@ -222,14 +222,14 @@ TEST_CASE("Closely: the density is normalised and drawn from", "[mcmc][forward][
   check_normalised(120000);
 }
 
-TEST_CASE("Each move alone keeps the law of what is drawn", "[mcmc][forward]") {
+TEST_CASE("Each move alone keeps the law of what is drawn", "[mcmc][forward][heavy]") {
   check_each_kept(2000);
 }
 TEST_CASE("Closely: each move alone keeps the law of what is drawn", "[mcmc][forward][slow]") {
   check_each_kept(8000);
 }
 
-TEST_CASE("Moves of all kinds keep the law of what is drawn", "[mcmc][forward]") {
+TEST_CASE("Moves of all kinds keep the law of what is drawn", "[mcmc][forward][heavy]") {
   check_kept(
       "all", [](test::FreeChain& chain) { chain.step(true); }, 1000, false, 500);
 }

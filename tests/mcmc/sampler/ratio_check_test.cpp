@@ -170,40 +170,40 @@ HiddenGraph stirred(HiddenGraph g, const Density& density, const std::vector<Che
 
 }  // namespace
 
-TEST_CASE("Ratios hold over three frames", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold over three frames", "[mcmc][ratios][heavy]") {
   require_right_together(three_frames(), Density(test::even_theta()), all_but(), 398);
 }
 
-TEST_CASE("Ratios hold among ten thousand states", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold among ten thousand states", "[mcmc][ratios][heavy]") {
   require_right_together(three_and_three(), Density(test::even_theta()), all_but(), 10000);
 }
 
-TEST_CASE("Ratios hold among all kinds at the border where patches overlap", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold among all kinds at the border where patches overlap", "[mcmc][ratios][heavy]") {
   require_right_together(mixed(), Density(test::even_theta()), all_but(), 500);
 }
 
-TEST_CASE("Ratios hold where a patch shares four edges with two candidates", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold where a patch shares four edges with two candidates", "[mcmc][ratios][heavy]") {
   const std::vector<CheckedMove> shares = {test::checked(test::move_named("split, merge"))};
   require_right_together(fan(), Density(test::even_theta()), shares, 100);
 }
 
-TEST_CASE("Ratios hold for links among four and four", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold for links among four and four", "[mcmc][ratios][heavy]") {
   require_right_together(two_rows(4), Density(test::even_theta()), all_but(kAllButLinks), 350);
 }
 
-TEST_CASE("Ratios hold on rings", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold on rings", "[mcmc][ratios][heavy]") {
   require_right_together(rings(), Density(test::even_theta()), all_but(kAllButLinks), 350);
 }
 
-TEST_CASE("Ratios hold for strokes that inherit from one of two", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold for strokes that inherit from one of two", "[mcmc][ratios][heavy]") {
   require_right_together(heirs(), Density(test::even_theta()), all_but(kAllButLinks), 350);
 }
 
-TEST_CASE("Ratios hold where some merges cannot be", "[mcmc][ratios]") {
+TEST_CASE("Ratios hold where some merges cannot be", "[mcmc][ratios][heavy]") {
   require_right_together(apart(), Density(test::even_theta()), all_but(kAllButLinks), 100);
 }
 
-TEST_CASE("Each move alone has the right ratios from wherever it starts", "[mcmc][ratios]") {
+TEST_CASE("Each move alone has the right ratios from wherever it starts", "[mcmc][ratios][heavy]") {
   const Density density(test::even_theta());
   for (const auto& move : mcmc::moves()) {
     INFO(move.name);

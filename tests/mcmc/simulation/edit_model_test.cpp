@@ -81,7 +81,7 @@ TEST_CASE("A neutral edit changes nothing", "[edit_motion]") {
         mcmc::to_archive(model).text);
 }
 
-TEST_CASE("Edits out of range are refused by name", "[edit_motion]") {
+TEST_CASE("Edits out of range are refused by name", "[edit_motion][heavy]") {
   const auto refused = [](auto change, const std::string& name) {
     MotionEdit edit;
     change(edit);
@@ -131,7 +131,7 @@ TEST_CASE("A law at twice the speed is that of every other frame", "[edit_motion
     }
 }
 
-TEST_CASE("Intensity scales how far strokes sway and nothing else", "[edit_motion]") {
+TEST_CASE("Intensity scales how far strokes sway and nothing else", "[edit_motion][heavy]") {
   auto model = lively();
   MotionEdit edit;
   edit.intensity = 2.5, edit.flicker = 0.5;
@@ -207,7 +207,7 @@ TEST_CASE("Faster and backwards, everything happens as often as that says", "[ed
   }
 }
 
-TEST_CASE("Strokes are born where the map is painted", "[edit_motion]") {
+TEST_CASE("Strokes are born where the map is painted", "[edit_motion][heavy]") {
   const auto model = lively();
   MotionEdit edit;
   edit.birth_map = test::map_over(320, 240, 16, 0);
@@ -227,7 +227,7 @@ TEST_CASE("Strokes are born where the map is painted", "[edit_motion]") {
   CHECK(double(inside) > 0.95 * births);
 }
 
-TEST_CASE("Contrast is scaled and nothing else", "[edit_motion]") {
+TEST_CASE("Contrast is scaled and nothing else", "[edit_motion][heavy]") {
   MotionEdit edit;
   edit.contrast = 2;
   mcmc::Synthesis before(lively(), 5), after(mcmc::edit_motion(lively(), edit).model, 5);

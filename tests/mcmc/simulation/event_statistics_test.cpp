@@ -49,7 +49,7 @@ TEST_CASE("Reconciled events make as many strokes as they take", "[census]") {
   CHECK(none.events == std::array<double, 6>{});
 }
 
-TEST_CASE("A model can be balanced to what is wanted", "[census]") {
+TEST_CASE("A model can be balanced to what is wanted", "[census][heavy]") {
   auto model = test::empty_model();
   for (int i = 0; i < 12; ++i)
     model.exemplars.push_back(

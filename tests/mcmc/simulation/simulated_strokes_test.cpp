@@ -127,7 +127,7 @@ TEST_CASE("Strokes near each other sway alike and far apart on their own and so 
   CHECK_THAT(purposes, Catch::Matchers::WithinAbs(0, five_sigma(0, n)));
 }
 
-TEST_CASE("Particles are settled in the stationary state and stay in it", "[particles]") {
+TEST_CASE("Particles are settled in the stationary state and stay in it", "[particles][heavy]") {
   const test::Law law =
       GENERATE(test::Law{1.6, -0.7, 0.3, 15}, test::Law{0.9, 0, 0.5, 0}, test::Law{0.2, -0.5, 2, 40});
   auto model = test::empty_model();

@@ -154,7 +154,8 @@ TEST_CASE("A model that was drawn from is learned again", "[synthesis][slow]") {
              Catch::Matchers::WithinRel(mcmc::stationary_deviation(model.contrast), 0.1));
 }
 
-TEST_CASE("The same seed gives the same graphs, another others, and a longer clip goes on", "[synthesis]") {
+TEST_CASE("The same seed gives the same graphs, another others, and a longer clip goes on",
+          "[synthesis][heavy]") {
   auto model = mcmc::fit(test::make(scene_of_life(60), 56).motion).model;
   const auto clip = mcmc::synthesize(model, 60, 7);
   CHECK(mcmc::synthesize(model, 60, 7) == clip);

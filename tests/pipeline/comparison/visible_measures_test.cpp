@@ -43,7 +43,7 @@ std::vector<cv::Mat> drifting_blobs(int frames, double speed, std::uint64_t seed
 
 }  // namespace
 
-TEST_CASE("visible measures: the source itself is complete, moves as itself, and is copied") {
+TEST_CASE("visible measures: the source itself is complete, moves as itself, and is copied", "[heavy]") {
   const auto source = drifting_blobs(40, 1.5, 1);
   const auto own = VisibleMeasures(source, {}).measure(source, {});
   CHECK(own.complete < 1);
@@ -56,7 +56,7 @@ TEST_CASE("visible measures: the source itself is complete, moves as itself, and
   CHECK(own.moves_alike());
 }
 
-TEST_CASE("visible measures: what is missing, too slow or too faint is told, each by its figure") {
+TEST_CASE("visible measures: what is missing, too slow or too faint is told, each by its figure", "[heavy]") {
   const auto source = drifting_blobs(40, 1.5, 1);
   const VisibleMeasures measures(source, {});
   const auto slow = measures.measure(drifting_blobs(40, 0.5, 1), {});
@@ -106,7 +106,7 @@ TEST_CASE("visible measures: how far apart a clip is grows with each figure") {
   CHECK(with(&pipeline::VisibleFigures::copied, 1) == 0);
 }
 
-TEST_CASE("visible measures: other sizes are reduced, and threads change nothing") {
+TEST_CASE("visible measures: other sizes are reduced, and threads change nothing", "[heavy]") {
   const auto source = drifting_blobs(24, 1, 3), other = drifting_blobs(24, 1, 4);
   const VisibleMeasures measures(source, {});
   const auto all = measures.measure(other, {});

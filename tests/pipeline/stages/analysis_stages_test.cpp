@@ -151,7 +151,7 @@ TEST_CASE("a sketch that was stopped goes on where it was, and is the same") {
   CHECK(fourth.read > 0);
 }
 
-TEST_CASE("an analysis from kept stages is that from the clip, and makes only what is missing") {
+TEST_CASE("an analysis from kept stages is that from the clip, and makes only what is missing", "[heavy]") {
   const auto clip = moving_strokes(14);
   core::ClipSource source(clip);
   const auto options = quick_options();
@@ -188,7 +188,7 @@ TEST_CASE("an analysis from kept stages is that from the clip, and makes only wh
   CHECK(has(all_but_sketch, "match"));
 }
 
-TEST_CASE("a model that was changed by others is learned again") {
+TEST_CASE("a model that was changed by others is learned again", "[heavy]") {
   const auto clip = moving_strokes(10);
   core::ClipSource source(clip);
   const TempFolder temp;

@@ -21,21 +21,24 @@ using namespace emberfold::test;
 
 namespace {
 
-const cv::Size kSize(90, 60);
+const cv::Size kStaticPixelsSize(90, 60);
 
 /// A grey wall with a dark pole, noisy, seen by a camera that shakes by a px; a bright bar passes the right
 /// of it in one frame of twenty-five.
 core::Clip wall(int frames, int type = CV_8UC3) {
-  core::Clip clip{{kSize.width, kSize.height, CV_MAT_CN(type), CV_8U, 25, 255, frames}, {}};
+  core::Clip clip{
+      {kStaticPixelsSize.width, kStaticPixelsSize.height, CV_MAT_CN(type), CV_8U, 25, 255, frames}, {}};
   core::Rng rng(11);
   for (int t = 0; t < frames; ++t) {
-    cv::Mat frame(kSize, type, cv::Scalar(150, 140, 130));
+    cv::Mat frame(kStaticPixelsSize, type, cv::Scalar(150, 140, 130));
     const int shaken = static_cast<int>(rng.below(3)) - 1;
-    cv::rectangle(frame, cv::Rect(18 + shaken, 0, 12, kSize.height), cv::Scalar(30, 40, 50), cv::FILLED);
+    cv::rectangle(frame, cv::Rect(18 + shaken, 0, 12, kStaticPixelsSize.height), cv::Scalar(30, 40, 50),
+                  cv::FILLED);
     cv::GaussianBlur(frame, frame, {}, 1.2);  // as lenses do
     if (t % 25 == 7)
-      cv::rectangle(frame, cv::Rect(70, 0, 5, kSize.height), cv::Scalar(240, 240, 240), cv::FILLED);
-    const cv::Mat noise = noise_frame(kSize, type, static_cast<std::uint64_t>(t), 9);
+      cv::rectangle(frame, cv::Rect(70, 0, 5, kStaticPixelsSize.height), cv::Scalar(240, 240, 240),
+                    cv::FILLED);
+    const cv::Mat noise = noise_frame(kStaticPixelsSize, type, static_cast<std::uint64_t>(t), 9);
     clip.frames.push_back(frame + noise - cv::Scalar(4, 4, 4));
   }
   return clip;
@@ -48,10 +51,10 @@ sketch::StaticPixels measured(const core::Clip& clip) {
 
 /// Draws new strokes on an even background of level 100.
 sketch::RenderOptions even_background() {
-  sketch::RenderOptions look{kSize, 3};
+  sketch::RenderOptions look{kStaticPixelsSize, 3};
   look.new_places = true;
   const std::vector<sketch::FrameBackground> seen{
-      sketch::measure_background(cv::Mat(kSize, CV_32FC3, cv::Scalar::all(100)), {})};
+      sketch::measure_background(cv::Mat(kStaticPixelsSize, CV_32FC3, cv::Scalar::all(100)), {})};
   look.background = sketch::estimate_background(seen);
   return look;
 }
@@ -62,7 +65,7 @@ TEST_CASE("Backdrop: still is what noise and shaking alone move, even where some
   for (const int type : {CV_8UC1, CV_8UC3}) {
     const auto static_pixels = measured(wall(100, type));
     REQUIRE(static_pixels.levels.type() == type);
-    REQUIRE(static_pixels.levels.size() == kSize);
+    REQUIRE(static_pixels.levels.size() == kStaticPixelsSize);
     const auto still = [&](int x) { return static_pixels.still.at<uchar>(30, x) == 255; };
     for (const int x : {0, 10, 20, 23, 25, 40, 60, 67, 77, 89}) {
       CAPTURE(x);
@@ -81,7 +84,7 @@ TEST_CASE("Backdrop: still is what noise and shaking alone move, even where some
 TEST_CASE("Backdrop: of long clips some frames tell, of one frame all is still") {
   const auto static_pixels = measured(wall(600));
   CHECK(static_pixels.still.at<uchar>(30, 40) == 255);
-  CHECK(cv::countNonZero(measured(wall(1)).still) == kSize.area());
+  CHECK(cv::countNonZero(measured(wall(1)).still) == kStaticPixelsSize.area());
   std::stop_source stop;
   stop.request_stop();
   const auto clip = wall(3);
@@ -103,12 +106,12 @@ TEST_CASE("Backdrop: strokes of a new clip pass behind it, and nothing else of i
   }
   const graph::AttributeGraph strokes(vertices, {});
   const cv::Mat without = sketch::render_frame(strokes, look);
-  look.background.static_pixels = {cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
-                                   cv::Mat::zeros(kSize, CV_8U)};
+  look.background.static_pixels = {cv::Mat(kStaticPixelsSize, CV_8UC3, cv::Scalar(7, 8, 9)),
+                                   cv::Mat::zeros(kStaticPixelsSize, CV_8U)};
   look.background.static_pixels.still.colRange(0, 40) = 255;
   for (const bool on_background : {false, true}) {
     sketch::FrameContent parts{strokes};
-    if (on_background) parts.background = cv::Mat(kSize, CV_8UC3, cv::Scalar::all(100));
+    if (on_background) parts.background = cv::Mat(kStaticPixelsSize, CV_8UC3, cv::Scalar::all(100));
     for (const float opacity : {1.0F, 0.5F}) {
       parts.opacity.assign(vertices.size(), opacity);
       const cv::Mat drawn = sketch::render_frame(parts, look);
@@ -127,12 +130,12 @@ TEST_CASE("Backdrop: strokes of a new clip pass behind it, and nothing else of i
 
 TEST_CASE("Backdrop: a frame without a stroke shows it, and a ground is shown as it is") {
   sketch::RenderOptions look = even_background();
-  look.background.static_pixels = {cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
-                                   cv::Mat(kSize, CV_8U, cv::Scalar(255))};
+  look.background.static_pixels = {cv::Mat(kStaticPixelsSize, CV_8UC3, cv::Scalar(7, 8, 9)),
+                                   cv::Mat(kStaticPixelsSize, CV_8U, cv::Scalar(255))};
   sketch::FrameContent parts;
-  CHECK(cv::norm(sketch::render_frame(parts, look), cv::Mat(kSize, CV_8UC3, cv::Scalar(7, 8, 9)),
+  CHECK(cv::norm(sketch::render_frame(parts, look), cv::Mat(kStaticPixelsSize, CV_8UC3, cv::Scalar(7, 8, 9)),
                  cv::NORM_INF) == 0);
-  parts.background = noise_frame(kSize, CV_8UC3, 3);
+  parts.background = noise_frame(kStaticPixelsSize, CV_8UC3, 3);
   CHECK(same_pixels(sketch::render_frame(parts, look), parts.background));
 }
 
@@ -140,9 +143,9 @@ TEST_CASE("Backdrop: kept beside a model, bit by bit, and refused where it does 
   for (const int type : {CV_8UC1, CV_8UC3}) {
     const auto static_pixels = measured(wall(30, type));
     core::ModelArchive archive;
-    CHECK(sketch::read_static_pixels(archive, kSize).empty());
+    CHECK(sketch::read_static_pixels(archive, kStaticPixelsSize).empty());
     sketch::add_static_pixels(archive, static_pixels);
-    const auto read = sketch::read_static_pixels(archive, kSize);
+    const auto read = sketch::read_static_pixels(archive, kStaticPixelsSize);
     CHECK(same_pixels(read.levels, static_pixels.levels));
     CHECK(same_pixels(read.still, static_pixels.still));
     const auto refusal = [&](const core::ModelArchive& from, cv::Size frame) {
@@ -153,12 +156,12 @@ TEST_CASE("Backdrop: kept beside a model, bit by bit, and refused where it does 
           "motion model: backdrop.npy is 60 x 90 x " + channels + "; expected uint8, 61 x 90 x " + channels);
     auto broken = archive;
     broken.arrays.erase("backdrop");
-    CHECK(refusal(broken, kSize) == "motion model: backdrop.npy is missing");
+    CHECK(refusal(broken, kStaticPixelsSize) == "motion model: backdrop.npy is missing");
     broken = archive;
     broken.arrays.erase("backdrop_still");
-    CHECK(refusal(broken, kSize) == "motion model: backdrop_still.npy is missing");
+    CHECK(refusal(broken, kStaticPixelsSize) == "motion model: backdrop_still.npy is missing");
     broken = archive;
     broken.arrays["backdrop_still"].data = std::vector<float>(5400, 1);
-    CHECK_THAT(refusal(broken, kSize), Catch::Matchers::Contains("expected uint8"));
+    CHECK_THAT(refusal(broken, kStaticPixelsSize), Catch::Matchers::Contains("expected uint8"));
   }
 }

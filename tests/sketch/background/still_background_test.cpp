@@ -11,6 +11,7 @@
 #include "core/error.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace emberfold;
 
@@ -42,12 +43,7 @@ cv::Mat slope(double from = 20) {
 }
 
 std::string refusal(const core::ModelArchive& archive, cv::Size frame) {
-  try {
-    sketch::read_background(archive, frame);
-  } catch (const core::IoError& error) {
-    return error.what();
-  }
-  return "";
+  return test::message_of<core::IoError>([&] { sketch::read_background(archive, frame); });
 }
 
 }  // namespace

@@ -17,11 +17,11 @@ using graph::AttributeGraph;
 
 namespace {
 
-const cv::Size kSize{160, 120};
+const cv::Size kBoundariesSize{160, 120};
 
 /// Left and right halves of this level, this strong in checks of 2 px.
 cv::Mat1f halves(double left, double right, double rough_left, double rough_right) {
-  return with_noise(draw(kSize,
+  return with_noise(draw(kBoundariesSize,
                          [=](Point p) {
                            const bool first = p.x < 80;
                            const int check = (static_cast<int>(p.x) / 2 + static_cast<int>(p.y) / 2) % 2;
@@ -67,7 +67,7 @@ TEST_CASE("A boundary is where brightness or texture differ, not where both are 
 }
 
 TEST_CASE("Colours alone make a boundary", "[sketch]") {
-  const cv::Mat1f grey(kSize, 120.0F);
+  const cv::Mat1f grey(kBoundariesSize, 120.0F);
   cv::Mat1f more = grey.clone(), less = grey.clone();
   more.colRange(80, 160) += 60.0F;  // red; green falls so that luma stays
   less.colRange(80, 160) -= 60.0F * 0.299F / 0.587F;
@@ -92,7 +92,7 @@ TEST_CASE("Boundaries are drawn as steps, more of them the more sensitive the sk
 
 TEST_CASE("The boundaries of a picture on its side are those of the picture") {
   // Stripes along, beside a smooth part: as rough as stripes across.
-  cv::Mat1f levels(kSize);
+  cv::Mat1f levels(kBoundariesSize);
   for (int y = 0; y < levels.rows; ++y)
     for (int x = 0; x < levels.cols; ++x)
       levels(y, x) = static_cast<float>(110 + (x < 80 ? 0 : 40 * std::sin(1.2 * y)));

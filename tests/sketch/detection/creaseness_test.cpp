@@ -14,11 +14,11 @@ using sketch::creaseness;
 
 namespace {
 
-const cv::Size kSize{80, 80};
+const cv::Size kCreasenessSize{80, 80};
 constexpr Point kMiddle{40, 40};
 
 sketch::ScaleLevel smoothed(const std::function<double(Point)>& level) {
-  return sketch::scale_space(draw(kSize, level), 1.2, 1).front();
+  return sketch::scale_space(draw(kCreasenessSize, level), 1.2, 1).front();
 }
 
 }  // namespace

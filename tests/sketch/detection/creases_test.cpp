@@ -19,7 +19,7 @@ using sketch::ScaleSpace;
 
 namespace {
 
-const cv::Size kSize{100, 100};
+const cv::Size kCreasesSize{100, 100};
 constexpr sketch::CreaseLimits kLimits{2.4, 4};
 
 struct Straight {
@@ -34,7 +34,8 @@ Straight at_angle(int k) {
 }
 
 cv::Mat1f gaussian_line(const Straight& line, double spread, double height) {
-  return draw(kSize, [&](Point p) { return 120 + height * std::exp(-0.5 * std::pow(line(p) / spread, 2)); });
+  return draw(kCreasesSize,
+              [&](Point p) { return 120 + height * std::exp(-0.5 * std::pow(line(p) / spread, 2)); });
 }
 
 sketch::NoiseLevels flat_ground(const ScaleSpace& space) {
@@ -46,7 +47,7 @@ template <class Check>
 std::size_t check_points(const CreaseMap& map, const Straight& line, double reach, Check check) {
   std::size_t count = 0;
   for (const CreasePoint& p : map.points)
-    if (well_inside(p.position, kSize, 25) && std::abs(line(p.position)) < reach) {
+    if (well_inside(p.position, kCreasesSize, 25) && std::abs(line(p.position)) < reach) {
       check(p);
       ++count;
     }
@@ -86,7 +87,7 @@ TEST_CASE("A blurred step is found in its place, with its height and the brighte
   for (int k = 0; k < 16; ++k)
     for (const double blur : {1.2, 2.4}) {
       const Straight line = at_angle(k);
-      const auto image = draw(kSize, [&](Point p) { return 60 + 80 * reached(line(p), blur); });
+      const auto image = draw(kCreasesSize, [&](Point p) { return 60 + 80 * reached(line(p), blur); });
       const ScaleSpace space = sketch::scale_space(image, 1.2, 5);
       CreaseMap map = sketch::find_steps(space, flat_ground(space), kLimits);
       sketch::thin_parallel_points(map, space);
@@ -101,16 +102,16 @@ TEST_CASE("A blurred step is found in its place, with its height and the brighte
 }
 
 TEST_CASE("A map holds at most one point for a pixel, near its centre") {
-  const auto scene =
-      with_noise(draw(kSize, {ring({50, 50}, 30, 4, 1), segment({10, 20}, {90, 70}, 3, 1)}, 60, 80), 10, 1);
+  const auto scene = with_noise(
+      draw(kCreasesSize, {ring({50, 50}, 30, 4, 1), segment({10, 20}, {90, 70}, 3, 1)}, 60, 80), 10, 1);
   const ScaleSpace space = sketch::scale_space(scene, 1.2, 5);
   const sketch::NoiseLevels ground = sketch::measure_noise_levels(space, 10);
   for (const CreaseMap& map :
        {sketch::find_lines(space, ground, kLimits).ridges, sketch::find_lines(space, ground, kLimits).valleys,
         sketch::find_steps(space, ground, kLimits)}) {
     std::vector<int> uses(map.points.size(), 0);
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x) {
+    for (int y = 0; y < kCreasesSize.height; ++y)
+      for (int x = 0; x < kCreasesSize.width; ++x) {
         const int i = map.index(y, x);
         if (i < 0) continue;
         const CreasePoint& p = map.points[static_cast<std::size_t>(i)];
@@ -140,7 +141,7 @@ TEST_CASE("The flanks of a line are taken away, a step of its own stays") {
     const cv::Mat1f alone = gaussian_line(line, 1.7, 80);
     REQUIRE(steps_near(alone, false) > 90);  // both flanks
     CHECK(steps_near(alone, true) <= 15);
-    const cv::Mat1f stepped = draw(kSize, [&](Point p) {
+    const cv::Mat1f stepped = draw(kCreasesSize, [&](Point p) {
       return 40 * std::exp(-0.5 * std::pow(line(p) / 1.7, 2)) + 60 + 80 * reached(line(p) - 10, 1.2);
     });
     REQUIRE(steps_near(stepped, true) >= 45);
@@ -152,7 +153,7 @@ TEST_CASE("A faint line beside a strong one of the other sign is its lobe, a str
     const Straight line = at_angle(k),
                    beside{line.origin + unit(line.theta + std::numbers::pi / 2) * 8, line.theta};
     const auto valleys = [&](double depth, bool without_lobes) {
-      const auto image = draw(kSize, [&](Point p) {
+      const auto image = draw(kCreasesSize, [&](Point p) {
         return 120 + 80 * std::exp(-0.5 * std::pow(line(p) / 1.7, 2)) -
                depth * std::exp(-0.5 * std::pow(beside(p) / 1.7, 2));
       });
@@ -181,7 +182,7 @@ TEST_CASE("Thinning keeps one line of points") {
         const double across = std::abs(graph::dot(way, unit(p.theta + std::numbers::pi / 2)));
         const double along = std::abs(graph::dot(way, unit(p.theta)));
         INFO("angle " << line.theta << " at " << p.position.x << ", " << p.position.y);
-        REQUIRE(!(across > 0.5 && across < 1.5 && along < 0.5 && well_inside(p.position, kSize, 8)));
+        REQUIRE(!(across > 0.5 && across < 1.5 && along < 0.5 && well_inside(p.position, kCreasesSize, 8)));
       }
   }
 }

@@ -18,11 +18,11 @@ using graph::AttributeGraph;
 
 namespace {
 
-const cv::Size kSize{160, 120};
+const cv::Size kGivenCurvesSize{160, 120};
 
 /// A bright line at y = 30, a dark one at y = 60 and a step at y = 90, all so faint that noise hides them.
 cv::Mat1f frame() {
-  return with_noise(draw(kSize,
+  return with_noise(draw(kGivenCurvesSize,
                          [](Point p) {
                            const auto line = [&](double y) {
                              return std::exp(-0.5 * std::pow((p.y - y) / 2, 2));
@@ -34,7 +34,7 @@ cv::Mat1f frame() {
 
 /// Marks of this thickness and probability along the three.
 cv::Mat1f marks(int thickness, float probability) {
-  cv::Mat1f map(kSize, 0.02F);
+  cv::Mat1f map(kGivenCurvesSize, 0.02F);
   for (const int y : {30, 60, 90})
     cv::line(map, {15, y}, {145, y}, cv::Scalar(double{probability}), thickness);
   return map;
@@ -75,9 +75,9 @@ TEST_CASE("The sensitivity is the probability at which given curves begin", "[sk
 }
 
 TEST_CASE("Where no curve is given none is drawn, and what is no probability is refused", "[sketch]") {
-  const cv::Mat1f clear = draw(kSize, {segment({20, 60}, {140, 60}, 4, 1)}, 60, 120);
+  const cv::Mat1f clear = draw(kGivenCurvesSize, {segment({20, 60}, {140, 60}, 4, 1)}, 60, 120);
   CHECK_FALSE(sketch::extract(clear, {}).empty());
-  CHECK(sketch::extract(clear, {}, cv::Mat1f(kSize, 0.0F)).empty());
-  CHECK_THROWS_AS(sketch::extract(clear, {}, cv::Mat1f(kSize, 1.5F)), core::InputError);
+  CHECK(sketch::extract(clear, {}, cv::Mat1f(kGivenCurvesSize, 0.0F)).empty());
+  CHECK_THROWS_AS(sketch::extract(clear, {}, cv::Mat1f(kGivenCurvesSize, 1.5F)), core::InputError);
   CHECK_THROWS_AS(sketch::extract(clear, {}, cv::Mat1f(10, 10, 0.5F)), core::InputError);
 }

@@ -15,18 +15,18 @@ using sketch::SoftBins;
 
 namespace {
 
-const cv::Size kSize{37, 29};
+const cv::Size kHalfDiscsSize{37, 29};
 
 std::vector<cv::Mat1f> distances(const SoftBins& bins, int radius, float weight = 1) {
   std::vector<cv::Mat1f> maps;
-  for (int way = 0; way < kDiscWays; ++way) maps.emplace_back(kSize, 0.0F);
+  for (int way = 0; way < kDiscWays; ++way) maps.emplace_back(kHalfDiscsSize, 0.0F);
   sketch::add_half_disc_distances(bins, radius, weight, maps);
   return maps;
 }
 
 cv::Mat1f random_levels() {
   core::Rng rng(5, {});
-  cv::Mat1f levels(kSize);
+  cv::Mat1f levels(kHalfDiscsSize);
   for (float& level : levels) level = static_cast<float>(255 * rng.uniform());
   return levels;
 }
@@ -56,8 +56,8 @@ double distance_at(const SoftBins& bins, int radius, int way, int x, int y) {
 
 TEST_CASE("A pixel's shares in the bins of a histogram sum to one", "[sketch]") {
   const SoftBins bins = sketch::soft_bins(random_levels(), 20, 200, 9, 0.8);
-  for (int y = 0; y < kSize.height; ++y)
-    for (int x = 0; x < kSize.width; ++x) {
+  for (int y = 0; y < kHalfDiscsSize.height; ++y)
+    for (int x = 0; x < kHalfDiscsSize.width; ++x) {
       int sum = 0;
       for (const cv::Mat1b& bin : bins) sum += bin(y, x);
       CHECK(std::abs(sum - 255) <= 4);

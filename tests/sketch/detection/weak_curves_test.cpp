@@ -25,7 +25,7 @@ using sketch::OrientedResponse;
 
 namespace {
 
-const cv::Size kSize{160, 120};
+const cv::Size kWeakCurvesSize{160, 120};
 constexpr Point kMiddle{79, 59};
 
 sketch::ScaleLevel level_of(const cv::Mat1f& frame, int number) {
@@ -35,7 +35,7 @@ sketch::ScaleLevel level_of(const cv::Mat1f& frame, int number) {
 /// A Gaussian line through the middle, of SD `s`.
 cv::Mat1f line(double theta, double s, double height) {
   const Point across{-std::sin(theta), std::cos(theta)};
-  return draw(kSize, [=](Point p) {
+  return draw(kWeakCurvesSize, [=](Point p) {
     return 100 + height * std::exp(-0.5 * std::pow(graph::dot(p - kMiddle, across) / s, 2));
   });
 }
@@ -43,13 +43,13 @@ cv::Mat1f line(double theta, double s, double height) {
 /// Texture in the frame's lower half, in which single points of a line of 40 levels do not stand out; above
 /// it, in the calm, such a line with a gap of so many px in its middle.
 cv::Mat1f broken_line_above_texture(double gap, std::uint64_t seed) {
-  cv::Mat1f texture = with_noise(cv::Mat1f(kSize, 0.0F), 1, seed);
+  cv::Mat1f texture = with_noise(cv::Mat1f(kWeakCurvesSize, 0.0F), 1, seed);
   cv::GaussianBlur(texture, texture, {}, 1.2);
-  cv::Mat1f frame = draw(kSize, [=](Point p) {
+  cv::Mat1f frame = draw(kWeakCurvesSize, [=](Point p) {
     const double along = std::abs(p.x - kMiddle.x), beyond = std::max({0.0, along - 45, gap / 2 - along});
     return 90 + 40 * std::exp(-0.5 * (std::pow((p.y - 30) / 1.8, 2) + std::pow(beyond / 1.2, 2)));
   });
-  frame.rowRange(60, kSize.height) += 150 * texture.rowRange(60, kSize.height);
+  frame.rowRange(60, kWeakCurvesSize.height) += 150 * texture.rowRange(60, kWeakCurvesSize.height);
   return with_noise(frame, 2, seed + 1);
 }
 
@@ -171,7 +171,7 @@ TEST_CASE("A step that no point of it shows is found by its length, with the bri
   for (const double theta : {0.2, 1.3, 2.5}) {
     const Point across{-std::sin(theta), std::cos(theta)};
     const cv::Mat1f clean =
-        draw(kSize, [=](Point p) { return 100 + 7 * reached(graph::dot(p - kMiddle, across), 1); });
+        draw(kWeakCurvesSize, [=](Point p) { return 100 + 7 * reached(graph::dot(p - kMiddle, across), 1); });
     const auto steps = [&](const AttributeGraph& graph) {
       double length = 0;
       for (const graph::Edge& e : graph.edges()) {
@@ -206,7 +206,7 @@ TEST_CASE("Lines explain the steps on their flanks, the less so the more sensiti
 
 TEST_CASE("More sensitivity draws more, and what it adds has less evidence", "[sketch][weak]") {
   const cv::Mat1f frame = with_noise(
-      draw(kSize,
+      draw(kWeakCurvesSize,
            [](Point p) {
              double level = 100;
              for (int i = 0; i < 5; ++i)

@@ -18,6 +18,7 @@
 #include "sketch/inpainting/fill.hpp"
 #include "sketch/refinement/coding_length.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/sketch_scene.hpp"
 
 using namespace emberfold;
@@ -47,7 +48,7 @@ double product(const Shape& a, const Shape& b) {
 }
 
 // A view of the shape at some level and contrast, in white noise.
-PatchView seen(const Shape& of, std::uint32_t vertex, core::Rng& rng, double noise) {
+PatchView seen_view(const Shape& of, std::uint32_t vertex, core::Rng& rng, double noise) {
   PatchView view;
   view.vertex = {vertex};
   view.degree = 2;
@@ -59,24 +60,24 @@ PatchView seen(const Shape& of, std::uint32_t vertex, core::Rng& rng, double noi
 }
 
 // Crossing and bent lines and a blob, as their own sketch shows them.
-struct Drawn {
+struct DrawnFrame {
   graph::AttributeGraph graph;
   cv::Mat levels;
 };
-Drawn drawn(double noise = 0, double shift = 0) {
+DrawnFrame drawn(double noise = 0, double shift = 0) {
   const double d = shift;
   const std::vector<test::Cover> shapes = {
       test::segment({20 + d, 30}, {180, 50 + d}, 4, 1), test::segment({60 + d, 10}, {80 + d, 150}, 5, 1.2),
       test::ring({140, 105 + d}, 32, 4, 1), test::segment({15, 120 + d}, {100, 110 - d}, 7, 1.5)};
   const cv::Mat1f frame = test::draw({200, 160}, shapes, 60, 110);
-  Drawn result{extract(frame, {}), {}};
+  DrawnFrame result{extract(frame, {}), {}};
   const auto part = draw_fitted(result.graph, frame.size(), 1);
   result.levels = fill(part.levels, part.mask).levels;
   if (noise > 0) result.levels = test::with_noise(result.levels, noise, 3);
   return result;
 }
 
-Dictionary learned_from(const Drawn& from) {
+Dictionary learned_from(const DrawnFrame& from) {
   DictionaryLearner learner;
   learner.add(0, view_patches(from.levels, from.graph));
   return learner.learn();
@@ -84,15 +85,6 @@ Dictionary learned_from(const Drawn& from) {
 
 double rms(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
   return cv::norm(a, b, cv::NORM_L2, mask) / std::sqrt(double(cv::countNonZero(mask)));
-}
-
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return {};
 }
 
 const Shape kNarrow = shape([](double d) { return std::exp(-18 * d * d); });
@@ -104,7 +96,7 @@ TEST_CASE("Two planted profiles of one type become two entries") {
   core::Rng rng(5);
   DictionaryLearner learner;
   std::vector<PatchView> all;
-  for (std::uint32_t i = 0; i < 500; ++i) all.push_back(seen(i % 5 < 3 ? kNarrow : kSkew, i, rng, 0.15));
+  for (std::uint32_t i = 0; i < 500; ++i) all.push_back(seen_view(i % 5 < 3 ? kNarrow : kSkew, i, rng, 0.15));
   learner.add(0, all);
   const Dictionary dictionary = learner.learn();
   REQUIRE(dictionary.entries.size() == 2);
@@ -134,7 +126,7 @@ TEST_CASE("A planted way to vary is found as the one component") {
     const auto by = static_cast<float>(0.25 * rng.normal());
     squares += double{by * by} / (1 + double{by * by} + 0.05 * 0.05);
     for (std::size_t j = 0; j < varied.size(); ++j) varied[j] += by * way[j];
-    all.push_back(seen(varied, i, rng, 0.05));
+    all.push_back(seen_view(varied, i, rng, 0.05));
   }
   DictionaryLearner learner;
   learner.add(0, all);
@@ -153,7 +145,7 @@ TEST_CASE("Learning depends on neither threads nor the order of frames, and hold
   for (int t = 0; t < 12; ++t) {
     frames.emplace_back();
     for (std::uint32_t i = 0; i < 400; ++i) {
-      frames.back().push_back(seen(i % 2 == 0 ? kNarrow : kSkew, i, rng, 0.3));
+      frames.back().push_back(seen_view(i % 2 == 0 ? kNarrow : kSkew, i, rng, 0.3));
       frames.back().back().type = i % 4 < 2 ? PatchType::ridge : PatchType::bar;
     }
   }
@@ -173,7 +165,7 @@ TEST_CASE("Learning depends on neither threads nor the order of frames, and hold
 
   DictionaryLearner much;
   std::vector<PatchView> many;
-  for (std::uint32_t i = 0; i < 5000; ++i) many.push_back(seen(kNarrow, i, rng, 0.1));
+  for (std::uint32_t i = 0; i < 5000; ++i) many.push_back(seen_view(kNarrow, i, rng, 0.1));
   much.add(0, many);
   CHECK(much.stored() == 4096);
   CHECK(much.learn().entries.front().seen == 5000);
@@ -188,7 +180,7 @@ TEST_CASE("Even views and those that are not finite teach nothing") {
   CHECK(learner.stored() == 0);
   CHECK(learner.learn().entries.empty());
 
-  Drawn made = drawn();
+  DrawnFrame made = drawn();
   made.levels.setTo(std::numeric_limits<float>::quiet_NaN());
   for (const PatchView& view : view_patches(made.levels, made.graph)) CHECK(view.luma.empty());
   for (const PatchCode& code : encode(made.levels, made.graph, Dictionary{}, 1))
@@ -196,7 +188,7 @@ TEST_CASE("Even views and those that are not finite teach nothing") {
 }
 
 TEST_CASE("Codes follow level and contrast and do not mind the way that a curve is followed") {
-  const Drawn made = drawn(1.5);
+  const DrawnFrame made = drawn(1.5);
   REQUIRE(made.graph.size() > 40);
   const Dictionary dictionary = learned_from(made);
   const auto codes = encode(made.levels, made.graph, dictionary, 1.5);
@@ -237,7 +229,7 @@ TEST_CASE("Codes follow level and contrast and do not mind the way that a curve 
 }
 
 TEST_CASE("A code costs its numbers and its entry's share") {
-  const Drawn made = drawn(1);
+  const DrawnFrame made = drawn(1);
   const Dictionary dictionary = learned_from(made);
   for (const double noise : {0.3, 3.0, 300.0}) {
     const auto codes = encode(made.levels, made.graph, dictionary, noise);
@@ -271,10 +263,10 @@ TEST_CASE("A code costs its numbers and its entry's share") {
 }
 
 TEST_CASE("A frame that was drawn from attributes is drawn again by what is learned from it") {
-  const Drawn made = drawn();
+  const DrawnFrame made = drawn();
   DictionaryLearner learner;
   for (std::uint32_t frame = 0; frame < 12; ++frame) {
-    const Drawn other = drawn(0, 0.4 * frame);
+    const DrawnFrame other = drawn(0, 0.4 * frame);
     learner.add(frame, view_patches(other.levels, other.graph));
   }
   const Dictionary dictionary = learner.learn();
@@ -294,7 +286,7 @@ TEST_CASE("A frame that was drawn from attributes is drawn again by what is lear
 }
 
 TEST_CASE("Without codes patches are drawn from their attributes") {
-  const Drawn made = drawn();
+  const DrawnFrame made = drawn();
   const std::vector<PatchCode> none(made.graph.size());
   const auto fitted = draw_fitted(made.graph, made.levels.size(), 1);
   const auto learned = draw_learned(made.graph, none, Dictionary{}, made.levels.size(), 1);
@@ -303,14 +295,14 @@ TEST_CASE("Without codes patches are drawn from their attributes") {
 }
 
 TEST_CASE("What cannot be coded or drawn is told") {
-  const Drawn made = drawn();
+  const DrawnFrame made = drawn();
   const Dictionary dictionary = learned_from(made);
   const cv::Mat bytes(10, 10, CV_8U, cv::Scalar(0));
   CHECK_THROWS_AS(view_patches(bytes, made.graph), core::InputError);
   CHECK_THROWS_AS(encode(made.levels, made.graph, dictionary, 0), core::InputError);
   auto codes = encode(made.levels, made.graph, dictionary, 1);
   codes[3].entry = 4000;
-  CHECK(refusal([&] {
+  CHECK(test::message_of<std::runtime_error>([&] {
           draw_learned(made.graph, codes, dictionary, made.levels.size(), 1);
         }).find("patch 3 names entry 4000") != std::string::npos);
   codes.pop_back();

@@ -8,6 +8,7 @@
 #include "sketch/extract.hpp"
 #include "sketch/refinement/proposals.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/sketch_scene.hpp"
 
 using namespace emberfold;
@@ -66,12 +67,7 @@ GraphEdit any_edit(const EditableGraph& draft, core::Rng& rng) {
 }
 
 std::string refusal(EditableGraph& draft, const GraphEdit& edit) {
-  try {
-    draft.apply(edit);
-  } catch (const core::InputError& error) {
-    return error.what();
-  }
-  return {};
+  return test::message_of<core::InputError>([&] { draft.apply(edit); });
 }
 
 }  // namespace

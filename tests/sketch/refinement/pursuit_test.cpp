@@ -20,7 +20,7 @@ using namespace emberfold::test;
 
 namespace {
 
-const cv::Size kSize(160, 120);
+const cv::Size kPursuitSize(160, 120);
 
 std::size_t count_blobs(const graph::AttributeGraph& graph) {
   return static_cast<std::size_t>(std::ranges::count_if(
@@ -35,7 +35,7 @@ double squared_error(const graph::AttributeGraph& graph, const cv::Mat1f& frame)
 
 /// Strokes and dots on a slow ramp.
 cv::Mat1f busy_frame() {
-  return draw(kSize, [](Point p) {
+  return draw(kPursuitSize, [](Point p) {
     double level = 60 + 0.3 * p.x;
     level += 80 * segment({20, 30}, {140, 50}, 4, 1)(p) - 40 * segment({30, 100}, {60, 60}, 5, 1.5)(p);
     for (const Point dot : {Point{100, 80}, Point{120, 95}, Point{80, 100}})
@@ -87,7 +87,7 @@ TEST_CASE("Dots become blobs where blobs are asked for and strokes stay strokes"
 TEST_CASE("Nothing pays on even ground and hardly anything in noise") {
   ExtractOptions options;
   options.blobs = true;
-  CHECK(extract(cv::Mat1f(kSize, 90.0F), options).empty());
+  CHECK(extract(cv::Mat1f(kPursuitSize, 90.0F), options).empty());
   std::size_t blobs = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed)
     blobs += count_blobs(extract(with_noise(cv::Mat1f(cv::Size(256, 256), 90.0F), 8, seed), options));
@@ -131,7 +131,7 @@ TEST_CASE("What is chosen is part of what was proposed, with its patches untouch
 TEST_CASE("A coloured dot is a blob of its colours") {
   std::vector<cv::Mat> channels;
   for (const double height : {20.0, 60.0, 120.0})
-    channels.push_back(draw(kSize, {ring({80, 60}, 0, 5, 1.5)}, 60, height));
+    channels.push_back(draw(kPursuitSize, {ring({80, 60}, 0, 5, 1.5)}, 60, height));
   cv::Mat frame;
   cv::merge(channels, frame);
   ExtractOptions options;

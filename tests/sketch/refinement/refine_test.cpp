@@ -15,7 +15,7 @@ using namespace emberfold::test;
 
 namespace {
 
-const cv::Size kSize(160, 120);
+const cv::Size kRefineSize(160, 120);
 
 /// The sketch of a frame without the patches that `hidden` says.
 graph::AttributeGraph without(const graph::AttributeGraph& graph, const std::function<bool(Point)>& hidden) {
@@ -48,7 +48,7 @@ double extent(const graph::AttributeGraph& graph) {
 }  // namespace
 
 TEST_CASE("An end that was cut short grows to where the stroke ends and no further") {
-  const cv::Mat1f frame = with_noise(draw(kSize, {segment({20, 60}, {140, 70}, 4, 1)}, 60, 80), 4, 1);
+  const cv::Mat1f frame = with_noise(draw(kRefineSize, {segment({20, 60}, {140, 70}, 4, 1)}, 60, 80), 4, 1);
   const graph::AttributeGraph whole = extract(frame, {});
   const graph::AttributeGraph half = without(whole, [](Point p) { return p.x > 70; });
   const graph::AttributeGraph grown = refined(half, frame);
@@ -64,7 +64,7 @@ TEST_CASE("An end that was cut short grows to where the stroke ends and no furth
 
 TEST_CASE("Two ends with the stroke between them are connected, over a gap they are not") {
   const auto parts = [](double gap) {
-    return draw(kSize,
+    return draw(kRefineSize,
                 {segment({15, 60}, {80 - gap / 2, 60}, 4, 1), segment({80 + gap / 2, 60}, {145, 60}, 4, 1)},
                 60, 80);
   };
@@ -79,7 +79,8 @@ TEST_CASE("Two ends with the stroke between them are connected, over a gap they 
 
 TEST_CASE("A stroke that stops short of another goes on to it") {
   const cv::Mat1f frame = with_noise(
-      draw(kSize, {segment({20, 40}, {140, 40}, 4, 1), segment({80, 40}, {80, 105}, 4, 1)}, 60, 80), 4, 3);
+      draw(kRefineSize, {segment({20, 40}, {140, 40}, 4, 1), segment({80, 40}, {80, 105}, 4, 1)}, 60, 80), 4,
+      3);
   const graph::AttributeGraph whole = extract(frame, {});
   REQUIRE(count_degree(whole, 3) == 1);
   const graph::AttributeGraph open = without(whole, [](Point p) { return p.y > 44 && p.y < 52; });
@@ -95,7 +96,8 @@ TEST_CASE("A stroke that stops short of another goes on to it") {
 
 TEST_CASE("Ends whose ways cross meet in a corner") {
   const cv::Mat1f frame = with_noise(
-      draw(kSize, {segment({30, 40}, {102, 40}, 4, 1), segment({100, 38}, {100, 105}, 4, 1)}, 60, 80), 4, 4);
+      draw(kRefineSize, {segment({30, 40}, {102, 40}, 4, 1), segment({100, 38}, {100, 105}, 4, 1)}, 60, 80),
+      4, 4);
   const graph::AttributeGraph open = without(extract(frame, {}), [](Point p) {
     return graph::distance(p, {100, 40}) < 9;
   });
@@ -118,14 +120,15 @@ graph::AttributeGraph without_evidence(const graph::AttributeGraph& graph) {
 }  // namespace
 
 TEST_CASE("A stroke that nothing shows is deleted") {
-  const cv::Mat1f bare = with_noise(cv::Mat1f(kSize, 80.0F), 4, 5);
-  const graph::AttributeGraph drawn = extract(draw(kSize, {segment({30, 60}, {110, 60}, 4, 1)}, 80, 60), {});
+  const cv::Mat1f bare = with_noise(cv::Mat1f(kRefineSize, 80.0F), 4, 5);
+  const graph::AttributeGraph drawn =
+      extract(draw(kRefineSize, {segment({30, 60}, {110, 60}, 4, 1)}, 80, 60), {});
   REQUIRE(drawn.size() > 10);
   CHECK(refined(without_evidence(drawn), bare).empty());
 }
 
 TEST_CASE("Two steps that bound a bar become that bar") {
-  const cv::Mat1f frame = with_noise(draw(kSize, {segment({30, 60}, {130, 60}, 16, 1)}, 60, 80), 4, 6);
+  const cv::Mat1f frame = with_noise(draw(kRefineSize, {segment({30, 60}, {130, 60}, 16, 1)}, 60, 80), 4, 6);
   ExtractOptions fine;
   fine.scales = 1;  // sees the sides only
   const graph::AttributeGraph bar =
@@ -140,7 +143,7 @@ TEST_CASE("Two steps that bound a bar become that bar") {
 }
 
 TEST_CASE("A dot is a blob when blobs are asked for") {
-  const cv::Mat1f frame = with_noise(draw(kSize, {ring({70, 60}, 0, 6, 1.5)}, 60, 90), 3, 7);
+  const cv::Mat1f frame = with_noise(draw(kRefineSize, {ring({70, 60}, 0, 6, 1.5)}, 60, 90), 3, 7);
   graph::Patch patch;
   patch.position = {70, 60};
   patch.width = 5, patch.blur = 1.5, patch.contrast = 80;
@@ -155,7 +158,7 @@ TEST_CASE("A dot is a blob when blobs are asked for") {
 }
 
 TEST_CASE("What refining leaves it leaves when it looks again") {
-  const cv::Mat1f frame = with_noise(draw(kSize,
+  const cv::Mat1f frame = with_noise(draw(kRefineSize,
                                           {segment({15, 20}, {120, 34}, 3, 1), ring({80, 70}, 25, 4, 1),
                                            segment({20, 60}, {50, 110}, 5, 1.5)},
                                           60, 80),
@@ -177,7 +180,7 @@ TEST_CASE("Corners back to back, where two lines cross at a small angle, are joi
       shapes.push_back(segment(middle + Point{7, 0}, middle + Point{7, 0} + unit(lean) * 40, 3, 1));
       shapes.push_back(segment(middle - Point{7, 0}, middle - Point{7, 0} - unit(lean) * 40, 3, 1));
     }
-    return with_noise(draw(kSize, shapes, 60, 60), 2, 5);
+    return with_noise(draw(kRefineSize, shapes, 60, 60), 2, 5);
   };
   const auto bent = [&](const cv::Mat1f& frame) {
     const graph::AttributeGraph arms =

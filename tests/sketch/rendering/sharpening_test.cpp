@@ -18,7 +18,7 @@ using namespace emberfold::test;
 
 namespace {
 
-const cv::Size kSize(96, 64);
+const cv::Size kSharpeningSize(96, 64);
 
 graph::AttributeGraph wavy(double blur) {
   const auto shape = made_shape(14, 0.4, 60, {48, 32});
@@ -28,9 +28,9 @@ graph::AttributeGraph wavy(double blur) {
 }
 
 core::Clip clip_of(const graph::AttributeGraph& graph, int frames) {
-  core::Clip clip{{kSize.width, kSize.height, 1, CV_8U, 25, 255, frames}, {}};
-  const auto drawn = sketch::draw_fitted(graph, kSize, 1);
-  cv::Mat frame(kSize, CV_32F, cv::Scalar(68));
+  core::Clip clip{{kSharpeningSize.width, kSharpeningSize.height, 1, CV_8U, 25, 255, frames}, {}};
+  const auto drawn = sketch::draw_fitted(graph, kSharpeningSize, 1);
+  cv::Mat frame(kSharpeningSize, CV_32F, cv::Scalar(68));
   drawn.levels.copyTo(frame, drawn.mask);
   for (int t = 0; t < frames; ++t) clip.frames.push_back(core::to_bytes(frame));
   return clip;
@@ -40,7 +40,7 @@ core::Clip clip_of(const graph::AttributeGraph& graph, int frames) {
 
 TEST_CASE("the flank gradient of a step is that on the step, whatever its direction") {
   for (const double theta : {0.0, 0.5, 2.0, -1.3}) {
-    cv::Mat frame(kSize, CV_32F);
+    cv::Mat frame(kSharpeningSize, CV_32F);
     const double s = std::sin(theta), c = std::cos(theta);
     for (int y = 0; y < frame.rows; ++y)
       for (int x = 0; x < frame.cols; ++x)
@@ -60,7 +60,7 @@ TEST_CASE("the flank gradient of a step is that on the step, whatever its direct
 }
 
 TEST_CASE("the flank gradient of a line is the mean of both flanks") {
-  cv::Mat frame(kSize, CV_32F);
+  cv::Mat frame(kSharpeningSize, CV_32F);
   for (int y = 0; y < frame.rows; ++y) frame.row(y).setTo(y < 32 ? 100 : 100 + 10 * (y - 32));
   graph::Patch patch;
   patch.position = {48, 32}, patch.theta = 0, patch.width = 8, patch.blur = 1, patch.contrast = 40;
@@ -80,7 +80,7 @@ TEST_CASE("a blurred picture's flanks are less steep") {
 
 TEST_CASE("the sharpening is found that patches need, less blur before more contrast") {
   const std::vector<sketch::FrameContent> parts(3, sketch::FrameContent{wavy(1.6)});
-  const sketch::RenderOptions look{.size = kSize, .channels = 1, .empty_level = 68};
+  const sketch::RenderOptions look{.size = kSharpeningSize, .channels = 1, .empty_level = 68};
   const auto gradient = [&](const sketch::Sharpening& sharpening) {
     cv::Mat levels;
     sketch::render_frame(parts[0], sketch::apply_sharpening(look, sharpening)).convertTo(levels, CV_32F);

@@ -18,13 +18,13 @@ using sketch::CarriedSketch;
 
 namespace {
 
-const cv::Size kSize{160, 120};
+const cv::Size kSteadySketchSize{160, 120};
 const sketch::ExtractOptions kOptions;
 constexpr double kNoise = 3;
 
 /// A strong stroke at the height 30 + moved, and one of contrast `other` at 80 + moved, in noise.
 cv::Mat1f frame_of(double moved, double other, std::uint64_t seed) {
-  return with_noise(draw(kSize,
+  return with_noise(draw(kSteadySketchSize,
                          [=](Point p) {
                            return 60 + 80 * segment({20, 30 + moved}, {140, 34 + moved}, 4, 1)(p) +
                                   other * segment({40, 80 + moved}, {110, 80 + moved}, 4, 1)(p);
@@ -51,13 +51,13 @@ std::ptrdiff_t patches_about(const AttributeGraph& graph, double y) {
 }
 
 cv::Mat even_motion(float x, float y) {
-  return cv::Mat(kSize, CV_32FC2, cv::Scalar(double{x}, double{y}));
+  return cv::Mat(kSteadySketchSize, CV_32FC2, cv::Scalar(double{x}, double{y}));
 }
 
 /// A frame `moved` px lower than this one, as its neighbour.
 CarriedSketch neighbour(const cv::Mat1f& frame, const cv::Mat1f& other, const AttributeGraph& sketch,
                         float moved) {
-  return {sketch::carry_sketch(sketch, even_motion(0, -moved), kSize),
+  return {sketch::carry_sketch(sketch, even_motion(0, -moved), kSteadySketchSize),
           sketch::measure_difference(frame, other, even_motion(0, moved))};
 }
 
@@ -68,7 +68,7 @@ TEST_CASE("A sketch is carried by the motion, of whatever grid it is", "[sketch]
   cv::Mat motion(30, 40, CV_32FC2);
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 40; ++x) motion.at<cv::Vec2f>(y, x) = {0.1F * static_cast<float>(4 * x), -2.0F};
-  const AttributeGraph carried = sketch::carry_sketch(graph, motion, kSize);
+  const AttributeGraph carried = sketch::carry_sketch(graph, motion, kSteadySketchSize);
   REQUIRE(carried.size() == graph.size());
   CHECK(std::ranges::equal(carried.edges(), graph.edges()));
   for (std::size_t i = 0; i < graph.size(); ++i) {

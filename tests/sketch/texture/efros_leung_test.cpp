@@ -35,38 +35,40 @@ cv::Mat periodic(cv::Size size) {
 }  // namespace
 
 TEST_CASE("Efros-Leung carries a periodic texture on in phase with what is held", "[sketch][efros_leung]") {
-  const cv::Mat frame = periodic(kSize);
-  const TextureScene s = texture_scene(frame, test::bands(kSize));
+  const cv::Mat frame = periodic(kTextureSize);
+  const TextureScene s = texture_scene(frame, test::bands(kTextureSize));
   const cv::Mat drawn = sketch::efros_leung(s.start, frame, s.regions).levels;
-  CHECK(cv::countNonZero(drawn == frame) > 0.99 * kSize.area());
+  CHECK(cv::countNonZero(drawn == frame) > 0.99 * kTextureSize.area());
   // With nothing held there is no phase but the period remains.
-  const TextureScene free = texture_scene(frame, test::nothing(kSize));
+  const TextureScene free = texture_scene(frame, test::nothing(kTextureSize));
   const cv::Mat grown = sketch::efros_leung(free.start, frame, free.regions).levels;
   CHECK(cv::countNonZero(grown.colRange(7, 96) == grown.colRange(0, 89)) > 0.95 * 89 * 72);
   CHECK(cv::countNonZero(grown.rowRange(5, 72) == grown.rowRange(0, 67)) > 0.95 * 67 * 96);
 }
 
 TEST_CASE("Efros-Leung copies pixels of the own region from elsewhere", "[sketch][efros_leung]") {
-  cv::Mat frame = test::texture(kSize, 4, 90, 1);
-  test::texture({kSize.width / 2, kSize.height}, 5, 150, 2).copyTo(frame.colRange(0, kSize.width / 2));
+  cv::Mat frame = test::texture(kTextureSize, 4, 90, 1);
+  test::texture({kTextureSize.width / 2, kTextureSize.height}, 5, 150, 2)
+      .copyTo(frame.colRange(0, kTextureSize.width / 2));
   for (const int channels : {1, 3}) {
     cv::Mat levels = frame;
     if (channels == 3)
       cv::merge(std::vector<cv::Mat>{frame, cv::Mat(frame * 0.5), cv::Mat(255 - frame)}, levels);
-    const TextureScene s = texture_scene(levels, test::bands(kSize), 2);
+    const TextureScene s = texture_scene(levels, test::bands(kTextureSize), 2);
     const sketch::EfrosLeungOptions options;
     const auto result = sketch::efros_leung(s.start, levels, s.regions, options);
     CHECK(same_where_held(result.levels, levels, s.mask));
     int moved = 0, free = 0;
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x) {
+    for (int y = 0; y < kTextureSize.height; ++y)
+      for (int x = 0; x < kTextureSize.width; ++x) {
         const auto from = result.source.at<cv::Vec2i>(y, x);
         if (s.mask.at<uchar>(y, x) != 0) {
           CHECK(from == cv::Vec2i(-1, -1));
           continue;
         }
         ++free;
-        REQUIRE((from[0] >= 0 && from[1] >= 0 && from[0] < kSize.width && from[1] < kSize.height));
+        REQUIRE(
+            (from[0] >= 0 && from[1] >= 0 && from[0] < kTextureSize.width && from[1] < kTextureSize.height));
         CHECK(std::memcmp(result.levels.ptr(y, x), levels.ptr(from[1], from[0]), levels.elemSize()) == 0);
         CHECK(s.regions.label.at<uchar>(from[1], from[0]) == s.regions.label.at<uchar>(y, x));
         moved += std::max(std::abs(from[0] - x), std::abs(from[1] - y)) > options.window / 2 ? 1 : 0;
@@ -76,13 +78,13 @@ TEST_CASE("Efros-Leung copies pixels of the own region from elsewhere", "[sketch
 }
 
 TEST_CASE("Efros-Leung goes on with what it copied, along x as along y", "[sketch][efros_leung]") {
-  const cv::Mat frame = test::texture(kSize, 4, 90, 1);
-  const TextureScene s = texture_scene(frame, test::bands(kSize));
+  const cv::Mat frame = test::texture(kTextureSize, 4, 90, 1);
+  const TextureScene s = texture_scene(frame, test::bands(kTextureSize));
   const auto result = sketch::efros_leung(s.start, frame, s.regions);
   const auto share_that_goes_on = [&](int dx, int dy) {
     int pairs = 0, on = 0;
-    for (int y = 0; y + dy < kSize.height; ++y)
-      for (int x = 0; x + dx < kSize.width; ++x) {
+    for (int y = 0; y + dy < kTextureSize.height; ++y)
+      for (int x = 0; x + dx < kTextureSize.width; ++x) {
         const auto from = result.source.at<cv::Vec2i>(y, x),
                    next = result.source.at<cv::Vec2i>(y + dy, x + dx);
         if (from[0] < 0 || next[0] < 0) continue;
@@ -99,7 +101,8 @@ TEST_CASE("Efros-Leung goes on with what it copied, along x as along y", "[sketc
 
 TEST_CASE("Efros-Leung keeps the look of a grain", "[sketch][efros_leung]") {
   for (const int kind : {0, 3, 4}) {
-    const TextureScene s = texture_scene(test::texture(kSize, kind, 120, 3), test::bands(kSize));
+    const TextureScene s =
+        texture_scene(test::texture(kTextureSize, kind, 120, 3), test::bands(kTextureSize));
     const cv::Mat drawn = sketch::efros_leung(s.start, s.frame, s.regions).levels;
     INFO("texture " << kind);
     cv::Scalar mean, sd, own_mean, own_sd;
@@ -111,8 +114,8 @@ TEST_CASE("Efros-Leung keeps the look of a grain", "[sketch][efros_leung]") {
     // No garbage: it does not grow from a handful of pixels.
     const auto result = sketch::efros_leung(s.start, s.frame, s.regions);
     std::set<std::pair<int, int>> places;
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x)
+    for (int y = 0; y < kTextureSize.height; ++y)
+      for (int x = 0; x < kTextureSize.width; ++x)
         if (const auto from = result.source.at<cv::Vec2i>(y, x); from[0] >= 0)
           places.emplace(from[0], from[1]);
     CHECK(double(places.size()) > 0.1 * cv::countNonZero(s.mask == 0));
@@ -121,14 +124,14 @@ TEST_CASE("Efros-Leung keeps the look of a grain", "[sketch][efros_leung]") {
 
 TEST_CASE("Efros-Leung: same seed same bytes at any thread count and other seeds other bytes",
           "[sketch][efros_leung]") {
-  const TextureScene s = texture_scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  const TextureScene s = texture_scene(test::texture(kTextureSize, 0, 120, 3), test::bands(kTextureSize));
   const auto with = [&](std::size_t threads, std::uint64_t seed) {
     const core::ThreadLimit limit(threads);
     return sketch::efros_leung(s.start, s.frame, s.regions, {.seed = seed}).levels;
   };
   const cv::Mat one = with(1, 1);
   CHECK(cv::norm(one, with(4, 1), cv::NORM_INF) == 0);
-  CHECK(cv::norm(one, with(1, 2), cv::NORM_L1) > kSize.area());
+  CHECK(cv::norm(one, with(1, 2), cv::NORM_L1) > kTextureSize.area());
 }
 
 TEST_CASE("Efros-Leung on odd frames and when nothing is free", "[sketch][efros_leung]") {
@@ -151,14 +154,14 @@ TEST_CASE("Efros-Leung on odd frames and when nothing is free", "[sketch][efros_
     const TextureScene one = texture_scene(frame, one_free);
     CHECK(cv::norm(sketch::efros_leung(one.start, frame, one.regions).levels, frame, cv::NORM_INF) == 0);
   }
-  const cv::Mat constant(kSize, CV_32F, cv::Scalar(80));
-  const TextureScene still = texture_scene(constant, test::bands(kSize));
+  const cv::Mat constant(kTextureSize, CV_32F, cv::Scalar(80));
+  const TextureScene still = texture_scene(constant, test::bands(kTextureSize));
   CHECK(cv::norm(sketch::efros_leung(still.start, constant, still.regions).levels, constant, cv::NORM_INF) ==
         0);
 }
 
 TEST_CASE("Efros-Leung can be stopped", "[sketch][efros_leung]") {
-  const TextureScene s = texture_scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  const TextureScene s = texture_scene(test::texture(kTextureSize, 0, 120, 3), test::bands(kTextureSize));
   std::stop_source stop;
   const core::Context context(stop.get_token(), [&](std::string_view, double share) {
     if (share > 0.2) stop.request_stop();
@@ -167,7 +170,7 @@ TEST_CASE("Efros-Leung can be stopped", "[sketch][efros_leung]") {
 }
 
 TEST_CASE("Efros-Leung rejects what is none", "[sketch][efros_leung]") {
-  TextureScene s = texture_scene(test::texture(kSize, 0, 120, 3), test::bands(kSize));
+  TextureScene s = texture_scene(test::texture(kTextureSize, 0, 120, 3), test::bands(kTextureSize));
   for (const sketch::EfrosLeungOptions& options : std::vector<sketch::EfrosLeungOptions>{
            {.window = 4}, {.window = 33}, {.tolerance = -1}, {.candidates = 0}, {.guidance = 1.5}})
     CHECK_THROWS_AS(sketch::efros_leung(s.start, s.frame, s.regions, options), core::InputError);

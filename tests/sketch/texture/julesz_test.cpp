@@ -22,9 +22,10 @@ using namespace emberfold::test;
 namespace {
 
 TextureScene two_textures() {
-  cv::Mat frame = test::texture(kSize, 4, 120, 1);
-  test::texture({kSize.width / 2, kSize.height}, 5, 120, 2).copyTo(frame.colRange(0, kSize.width / 2));
-  return texture_scene(frame, test::bands(kSize), 2);
+  cv::Mat frame = test::texture(kTextureSize, 4, 120, 1);
+  test::texture({kTextureSize.width / 2, kTextureSize.height}, 5, 120, 2)
+      .copyTo(frame.colRange(0, kTextureSize.width / 2));
+  return texture_scene(frame, test::bands(kTextureSize), 2);
 }
 
 /// The distance from newly measured histograms.
@@ -42,7 +43,8 @@ double distance_of(const cv::Mat& levels, const sketch::TextureRegions& regions)
 TEST_CASE("A sample of the Julesz ensemble has the histograms it was asked for", "[sketch][julesz]") {
   for (const int kind : {0, 3, 4, 5}) {
     INFO("texture " << kind);
-    const TextureScene s = texture_scene(test::texture(kSize, kind, 120, 3), test::bands(kSize), 1);
+    const TextureScene s =
+        texture_scene(test::texture(kTextureSize, kind, 120, 3), test::bands(kTextureSize), 1);
     const auto result = sketch::julesz(s.start, s.regions);
     // The distances told, by sums updated move by move, are those of the pictures.
     CHECK_THAT(result.before, WithinAbs(distance_of(s.start, s.regions), 1e-9));
@@ -64,7 +66,7 @@ TEST_CASE("Each region gets its own texture", "[sketch][julesz]") {
   // Upright on the left, level on the right.
   const auto slopes = [&](const cv::Mat& levels, int dx, int dy, int from, int to) {
     double sum = 0;
-    for (int y = 2; y < kSize.height - 2; ++y)
+    for (int y = 2; y < kTextureSize.height - 2; ++y)
       for (int x = from; x < to; ++x)
         if (s.mask.at<uchar>(y, x) == 0)
           sum +=
@@ -99,7 +101,7 @@ TEST_CASE("Julesz: same seed same bytes at any thread count and other seeds othe
   };
   const cv::Mat one = with(1, 1);
   CHECK(cv::norm(one, with(4, 1), cv::NORM_INF) == 0);
-  CHECK(cv::norm(one, with(1, 2), cv::NORM_L1) > kSize.area());
+  CHECK(cv::norm(one, with(1, 2), cv::NORM_L1) > kTextureSize.area());
 }
 
 TEST_CASE("Julesz in colour changes luma alone", "[sketch][julesz]") {
@@ -111,8 +113,8 @@ TEST_CASE("Julesz in colour changes luma alone", "[sketch][julesz]") {
   CHECK(same_where_held(result.levels, frame, s.mask));
   CHECK_THAT(result.after, WithinAbs(distance_of(result.levels, s.regions), 0.02));  // but for saturation
   double apart = 0;
-  for (int y = 0; y < kSize.height; ++y)
-    for (int x = 0; x < kSize.width; ++x) {
+  for (int y = 0; y < kTextureSize.height; ++y)
+    for (int x = 0; x < kTextureSize.width; ++x) {
       const auto a = s.start.at<cv::Vec3f>(y, x), b = result.levels.at<cv::Vec3f>(y, x);
       for (int c = 0; c < 3; ++c) CHECK((b[c] >= -21 && b[c] <= 285));
       if (b[0] > 0 && b[2] < 255) apart = std::max(apart, double(std::abs((b[2] - b[0]) - (a[2] - a[0]))));
@@ -135,12 +137,12 @@ TEST_CASE("Julesz on odd frames and when nothing is free", "[sketch][julesz]") {
     CHECK(cv::norm(none.levels, frame, cv::NORM_INF) == 0);
     CHECK(none.before == 0);
   }
-  const cv::Mat constant(kSize, CV_32F, cv::Scalar(80));
-  const auto still = sketch::julesz(constant, sketch::segment_texture(constant, test::nothing(kSize)));
+  const cv::Mat constant(kTextureSize, CV_32F, cv::Scalar(80));
+  const auto still = sketch::julesz(constant, sketch::segment_texture(constant, test::nothing(kTextureSize)));
   CHECK(cv::norm(still.levels, constant, cv::NORM_INF) <= 1);
-  const cv::Mat white(kSize, CV_32F, cv::Scalar(255));
-  CHECK(cv::norm(sketch::julesz(white, sketch::segment_texture(white, test::nothing(kSize))).levels, white,
-                 cv::NORM_INF) <= 1);
+  const cv::Mat white(kTextureSize, CV_32F, cv::Scalar(255));
+  CHECK(cv::norm(sketch::julesz(white, sketch::segment_texture(white, test::nothing(kTextureSize))).levels,
+                 white, cv::NORM_INF) <= 1);
 }
 
 TEST_CASE("Julesz can be stopped and tells how far it is", "[sketch][julesz]") {

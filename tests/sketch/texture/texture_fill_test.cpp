@@ -18,7 +18,7 @@ using sketch::FillMethod;
 
 namespace {
 
-const cv::Size kSize(80, 60);
+const cv::Size kTextureFillSize(80, 60);
 
 sketch::Sketchable drawn_of(const cv::Mat& frame, const cv::Mat& mask) {
   sketch::Sketchable drawn{cv::Mat(frame.size(), frame.type(), cv::Scalar::all(0)), mask};
@@ -31,14 +31,14 @@ constexpr std::array kKinds{FillMethod::diffusion, FillMethod::julesz, FillMetho
 }  // namespace
 
 TEST_CASE("The ground is drawn in any way and the patches stay", "[sketch][ground]") {
-  const cv::Mat frame = test::texture(kSize, 4, 120, 1), mask = test::bands(kSize);
+  const cv::Mat frame = test::texture(kTextureFillSize, 4, 120, 1), mask = test::bands(kTextureFillSize);
   const auto drawn = drawn_of(frame, mask);
   for (const FillMethod kind : kKinds) {
     const auto result = sketch::fill_nonsketchable(frame, drawn, {.kind = kind});
     CHECK(result.converged);
-    REQUIRE(result.levels.size() == kSize);
-    for (int y = 0; y < kSize.height; ++y)
-      for (int x = 0; x < kSize.width; ++x)
+    REQUIRE(result.levels.size() == kTextureFillSize);
+    for (int y = 0; y < kTextureFillSize.height; ++y)
+      for (int x = 0; x < kTextureFillSize.width; ++x)
         if (mask.at<uchar>(y, x) != 0)
           CHECK(std::memcmp(result.levels.ptr(y, x), drawn.levels.ptr(y, x), sizeof(float)) == 0);
     // Textures have the observed contrast, the diffusion less.
@@ -57,8 +57,8 @@ TEST_CASE("The ground is drawn in any way and the patches stay", "[sketch][groun
 }
 
 TEST_CASE("The ground's one seed counts", "[sketch][ground]") {
-  const cv::Mat frame = test::texture(kSize, 0, 120, 1);
-  const auto drawn = drawn_of(frame, test::bands(kSize));
+  const cv::Mat frame = test::texture(kTextureFillSize, 0, 120, 1);
+  const auto drawn = drawn_of(frame, test::bands(kTextureFillSize));
   for (const FillMethod kind : {FillMethod::julesz, FillMethod::efros_leung}) {
     const sketch::NonsketchableFillOptions options{.kind = kind, .texture = {.regions = 1}, .seed = 3};
     auto same = options, other = options;
@@ -71,7 +71,7 @@ TEST_CASE("The ground's one seed counts", "[sketch][ground]") {
 }
 
 TEST_CASE("The ground of frames of which all or nothing is drawn", "[sketch][ground]") {
-  for (const cv::Size size : {cv::Size(1, 1), {3, 20}, {20, 3}, kSize})
+  for (const cv::Size size : {cv::Size(1, 1), {3, 20}, {20, 3}, kTextureFillSize})
     for (const FillMethod kind : kKinds)
       for (const int channels : {1, 3}) {
         cv::Mat frame = test::texture(size, 3, 120, 2);
@@ -89,21 +89,21 @@ TEST_CASE("The ground of frames of which all or nothing is drawn", "[sketch][gro
 }
 
 TEST_CASE("Anchors are the frame's own pixels beside the patches", "[sketch][ground][anchors]") {
-  const cv::Mat frame = test::texture(kSize, 0, 120, 1), mask = test::bands(kSize);
+  const cv::Mat frame = test::texture(kTextureFillSize, 0, 120, 1), mask = test::bands(kTextureFillSize);
   const auto drawn = drawn_of(frame, mask);
   const cv::Mat anchors = sketch::choose_anchors(frame, drawn, 0.1);
   const auto both = sketch::hold_anchors(drawn, sketch::add_anchors({}, frame, anchors));
   CHECK(cv::norm(both.levels, drawn.levels, cv::NORM_INF, mask) == 0);
   CHECK(cv::norm(both.levels, frame, cv::NORM_INF, anchors) == 0);
   CHECK(cv::countNonZero(both.mask) == cv::countNonZero(mask) + cv::countNonZero(anchors));
-  CHECK(cv::norm(drawn.mask, test::bands(kSize), cv::NORM_INF) == 0);  // its own memory
+  CHECK(cv::norm(drawn.mask, test::bands(kTextureFillSize), cv::NORM_INF) == 0);  // its own memory
   const double before = cv::norm(sketch::fill_nonsketchable(frame, drawn).levels, frame, cv::NORM_L2);
   CHECK(cv::norm(sketch::fill_nonsketchable(frame, both).levels, frame, cv::NORM_L2) < 0.5 * before);
 }
 
 TEST_CASE("The ground rejects what is none", "[sketch][ground]") {
-  cv::Mat frame = test::texture(kSize, 0, 120, 1);
-  const auto drawn = drawn_of(frame, test::bands(kSize));
+  cv::Mat frame = test::texture(kTextureFillSize, 0, 120, 1);
+  const auto drawn = drawn_of(frame, test::bands(kTextureFillSize));
   CHECK_THROWS_AS(sketch::fill_nonsketchable(cv::Mat(), drawn), core::InputError);
   CHECK_THROWS_AS(sketch::fill_nonsketchable(frame(cv::Rect(0, 0, 9, 9)), drawn), core::InputError);
   CHECK_THROWS_AS(sketch::fill_nonsketchable(frame, {drawn.levels, cv::Mat(3, 3, CV_8U)}), core::InputError);

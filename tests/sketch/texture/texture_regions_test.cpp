@@ -103,7 +103,7 @@ TEST_CASE("Bins hold the shares they are made for", "[sketch][texture]") {
   for (std::size_t i = 1; i < alike.size(); ++i) CHECK(alike[i] - alike[i - 1] == 32);
 }
 
-TEST_CASE("Textures side by side are told apart", "[sketch][texture]") {
+TEST_CASE("Textures side by side are told apart", "[sketch][texture][heavy]") {
   const auto parts = std::vector<std::vector<int>>{{0, 1}, {1, 2}, {2, 3}, {0, 3}, {0, 1, 2}, {1, 2, 3}};
   for (const auto& kinds : parts)
     for (const bool held : {false, true}) {

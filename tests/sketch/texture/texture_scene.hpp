@@ -9,7 +9,7 @@
 
 namespace emberfold::test {
 
-inline const cv::Size kSize(96, 72);
+inline const cv::Size kTextureSize(96, 72);
 
 /// A frame of which `mask` is held, and what a texture is drawn from.
 struct TextureScene {

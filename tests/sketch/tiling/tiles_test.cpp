@@ -139,7 +139,7 @@ TEST_CASE("A frame in tiles has the curves of the whole frame", "[sketch]") {
   CHECK_FALSE(tiled == whole);
 }
 
-TEST_CASE("Given curves and boundaries are drawn in tiles, too", "[sketch]") {
+TEST_CASE("Given curves and boundaries are drawn in tiles, too", "[sketch][heavy]") {
   const cv::Mat1f frame = scene();
   cv::Mat1f given(frame.size(), 0.0F);
   cv::line(given, {20, 40}, {400, 90}, cv::Scalar(0.9), 3);
