@@ -11,6 +11,7 @@ import concurrent.futures
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -26,7 +27,8 @@ ROOMS = ("core", "sketch", "graph", "mcmc", "dytex", "pipeline")
 SWITCH = HERE / "emberfold_fault.hpp"
 CONFIGURE = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
              "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -D_GLIBCXX_ASSERTIONS", "-DCMAKE_CXX_FLAGS=-w",
-             "-DEMBERFOLD_APPS=OFF", "-DEMBERFOLD_INSTALL=OFF"]
+             "-DEMBERFOLD_APPS=OFF", "-DEMBERFOLD_INSTALL=OFF",
+             f"-DCMAKE_CXX_COMPILER={shutil.which('clang++') or 'c++'}"]
 LONGEST = 60  # s, of a test with a fault; one that takes longer has caught it
 QUICK = 10  # s, of a test without
 
