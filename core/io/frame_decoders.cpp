@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/frame_decoders.hpp"
 
-#include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "core/error.hpp"
-#include "core/io/files.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/media_log.hpp"
 #include "core/io/reading/missing_numbers.hpp"
 #include "core/io/tiff/axes.hpp"
 #include "core/io/tiff_pages.hpp"
-#include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
 
 namespace emberfold::io {
@@ -29,153 +24,6 @@ namespace {
 void report(const core::Warn& warn, const std::string& line) {
   if (warn) warn(line);
 }
-
-class VideoFileDecoder final : public FrameDecoder {
- public:
-  VideoFileDecoder(const fs::path& path, const core::Warn& warn) : path_(path), warn_(warn) {
-    open();
-    grey_ = stream_is_grey();
-    info_.fps = rate();
-    const double claimed = video_.get(cv::CAP_PROP_FRAME_COUNT);
-    if (claimed >= 1 && claimed < 1e12) info_.frames = claimed_ = std::llround(claimed);
-    if (!read(first_))
-      throw core::IoError("cannot read " + path_.string() + ": not one frame of it can be decoded");
-    info_.width = first_.cols;
-    info_.height = first_.rows;
-    info_.channels = grey_ || first_.channels() == 1 ? 1 : 3;
-    info_.depth = CV_8U;
-  }
-
-  [[nodiscard]] const core::ClipInfo& info() const override { return info_; }
-
-  cv::Mat next() override {
-    cv::Mat frame;
-    if (!first_.empty())
-      frame = std::exchange(first_, {});
-    else if (ended_ || !read(frame))
-      return end();
-    if (frame.size() != cv::Size(info_.width, info_.height))
-      throw core::IoError(path_.string() + ": frame " + std::to_string(position_) + " is " +
-                          core::size_text(frame.size()) + " pixels, those before it " +
-                          core::size_text({info_.width, info_.height}));
-    ++position_;
-    if (info_.channels == frame.channels()) return frame;
-    cv::Mat grey;
-    cv::extractChannel(frame, grey, 0);
-    return grey;
-  }
-
-  bool skip() override {
-    if (!first_.empty())
-      first_.release();
-    else if (ended_ || !video_.grab())
-      return !end().empty();
-    else
-      check_time();
-    ++position_;
-    return true;
-  }
-
-  void rewind() override {
-    if (position_ == 0 && !ended_) return;
-    open();  // a seek to frame 0 does not hit it in every container
-    first_.release();
-    position_ = 0;
-    ended_ = false;
-  }
-
- private:
-  void open() {
-    // An absolute name has no colon that FFmpeg would take for a protocol. Decoding on a graphics card may
-    // round differently, so it is left out.
-    video_.release();
-    time_.reset();
-    video_.open(fs::absolute(path_).string(), cv::CAP_FFMPEG,
-                {cv::CAP_PROP_HW_ACCELERATION, cv::VIDEO_ACCELERATION_NONE});
-    if (!video_.isOpened())
-      throw core::IoError("cannot read " + path_.string() + ": it is no video that FFmpeg can open");
-    video_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
-    turn_ = clockwise_turn();
-  }
-
-  /// OpenCV 4.6 turns (and tells) the flag the wrong way round, so that the frames stand on their heads;
-  /// turned here, they are right with every version.
-  std::optional<cv::RotateFlags> clockwise_turn() {
-    const auto degrees = std::lround(video_.get(cv::CAP_PROP_ORIENTATION_META));
-    const bool reversed = cv::getVersionMajor() == 4 && cv::getVersionMinor() == 6;
-    switch (((reversed ? -degrees : degrees) % 360 + 360) % 360) {
-      case 90:
-        return cv::ROTATE_90_CLOCKWISE;
-      case 180:
-        return cv::ROTATE_180;
-      case 270:
-        return cv::ROTATE_90_COUNTERCLOCKWISE;
-      default:
-        return std::nullopt;
-    }
-  }
-
-  bool read(cv::Mat& frame) {
-    if (!video_.read(frame) || frame.empty()) return false;
-    check_time();
-    if (turn_) cv::rotate(frame.clone(), frame, *turn_);
-    return true;
-  }
-
-  /// Tells once of a frame that comes much later or earlier after the one before than the rate says.
-  void check_time() {
-    const double time = video_.get(cv::CAP_PROP_POS_MSEC);
-    const std::optional<double> before = std::exchange(time_, time);
-    if (uneven_told_ || !before || *before < 0 || time <= 0 || !info_.fps_is_known) return;
-    constexpr double kUneven = 0.3, kRounding = 2;  // share of the interval; ms
-    const double usual = 1000 / info_.fps, step = time - *before;
-    if (std::abs(step - usual) < std::max(kUneven * usual, kRounding)) return;
-    uneven_told_ = true;
-    const auto ms = [](double value) { return core::significant_text(value, 3) + " ms"; };
-    report(warn_, path_.string() + ": its frames are not evenly spaced in time (" + ms(usual) +
-                      " on average, " + ms(step) + " at frame " + std::to_string(position_) +
-                      "); they are taken as if they were");
-  }
-
-  /// OpenCV hands over three channels whatever the stream holds; its pixel format tells Y800 (8 bits) or
-  /// Y1 0 b (b bits) for grey.
-  bool stream_is_grey() {
-    const double format = video_.get(cv::CAP_PROP_CODEC_PIXEL_FORMAT);
-    if (!(format > 0 && format < 4294967296.0)) return false;
-    const auto code = static_cast<std::uint32_t>(format);
-    return code == 0x30303859U || (code & 0xFFFFFFU) == 0x003159U;
-  }
-
-  double rate() {
-    const double fps = video_.get(cv::CAP_PROP_FPS);
-    if (fps > 0 && fps <= 1000) return fps;
-    info_.fps_is_known = false;
-    return 25;
-  }
-
-  cv::Mat end() {
-    if (!ended_ && !warned_ && claimed_ && position_ + 1 < *claimed_) {
-      report(warn_, path_.string() + ": only " + std::to_string(position_) + " of the " +
-                        std::to_string(*claimed_) +
-                        " frames that it promises can be read; it may be cut off");
-      warned_ = true;
-    }
-    ended_ = true;
-    info_.frames = position_;
-    return {};
-  }
-
-  fs::path path_;
-  core::Warn warn_;
-  cv::VideoCapture video_;
-  std::optional<cv::RotateFlags> turn_;
-  core::ClipInfo info_;
-  std::optional<std::int64_t> claimed_;
-  cv::Mat first_;  ///< read to learn the size, not handed out yet
-  std::int64_t position_ = 0;
-  std::optional<double> time_;  ///< of the frame read last, ms
-  bool grey_ = false, ended_ = false, warned_ = false, uneven_told_ = false;
-};
 
 std::string depth_text(int depth) {
   return depth == CV_8U ? "8 bits" : depth == CV_16U ? "16 bits" : "floats";
@@ -265,17 +113,6 @@ class MemoryClip final : public FrameDecoder {
 void refuse_slices(const fs::path& path, const ReadOptions& options) {
   if (options.slice || options.brightest_slice)
     throw core::InputError(path.string() + ": it has no slices for --slice");
-}
-
-std::unique_ptr<FrameDecoder> decode_video(const fs::path& path, const ReadOptions& options,
-                                           const core::Warn& warn) {
-  refuse_slices(path, options);
-  silence_media_libraries();
-  open_file(path);
-  std::error_code error;
-  if (fs::file_size(path, error) == 0 && !error)
-    throw core::IoError("cannot read " + path.string() + ": it is empty");
-  return std::make_unique<VideoFileDecoder>(path, warn);
 }
 
 std::unique_ptr<FrameDecoder> decode_images(std::vector<fs::path> files, const ReadOptions& options,
