@@ -55,6 +55,7 @@ MotionGraph curves_as_strokes(const MotionGraph& motion) {
 }
 
 bool changes_names_alone(const MotionGraph& motion, const Event& event) {
+  if (event.after.size() == event.before.size()) return false;  // as another reading has it
   const bool is_more_after = event.after.size() > event.before.size();
   const auto& curves = is_more_after ? event.after : event.before;
   if (curves.empty()) return false;

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <ostream>
 #include <string_view>
 #include <type_traits>
@@ -69,7 +70,9 @@ class Zarr {
   const WriteFile& write_;
 };
 
-Json axis(const char* name, const char* kind, const char* unit, const std::vector<double>& values) {
+/// Describes an axis: `unit` of its values.
+template <class Value>
+Json axis(const char* name, const char* kind, const char* unit, const std::vector<Value>& values) {
   Json made = {{"name", name}, {"type", kind}, {"unit", unit}};
   if (values.empty()) return made;
   const auto [low, high] = std::ranges::minmax(values);
@@ -77,17 +80,24 @@ Json axis(const char* name, const char* kind, const char* unit, const std::vecto
   return made;
 }
 
+/// Describes the axis of time. Readers take its values as numbers of frames; `scale` makes seconds of them.
+Json time_axis(const std::vector<std::int64_t>& frames, const std::optional<double>& seconds) {
+  Json made = axis("t", "time", "frame", frames);
+  if (seconds) made["scale"] = *seconds, made["scaled_unit"] = "second";
+  return made;
+}
+
 }  // namespace
 
 void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::string& folder,
                 const WriteFile& write) {
-  const double um = clip.units.um.value_or(1), seconds = clip.units.seconds.value_or(1);
-  std::vector<double> t, y, x, length, probability;
+  const double um = clip.units.um.value_or(1);
+  std::vector<double> y, x, length, probability;
   std::vector<std::int64_t> frame, stroke;
   std::vector<std::uint64_t> ids, pairs;
   for (const auto& row : tree.rows) {
     ids.push_back(ids.size());
-    t.push_back(row.frame * seconds), y.push_back(row.middle.y * um), x.push_back(row.middle.x * um);
+    y.push_back(row.middle.y * um), x.push_back(row.middle.x * um);
     frame.push_back(row.frame), stroke.push_back(row.stroke), length.push_back(row.length * um);
   }
   for (const auto& link : tree.links) {
@@ -100,13 +110,13 @@ void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::stri
   zarr.array("nodes/ids", ids);
   zarr.array("edges/ids", pairs, 2);
   const char* const place = clip.units.um ? "micrometer" : "pixel";
-  const char* const time = clip.units.seconds ? "second" : "frame";
   Json about = {
       {"geff_version", "1.1.0"},
       {"directed", true},
-      {"axes", {axis("t", "time", time, t), axis("y", "space", place, y), axis("x", "space", place, x)}},
+      {"axes",
+       {time_axis(frame, clip.units.seconds), axis("y", "space", place, y), axis("x", "space", place, x)}},
       {"display_hints", {{"display_horizontal", "x"}, {"display_vertical", "y"}, {"display_time", "t"}}}};
-  about["node_props_metadata"] = {{"t", zarr.property("nodes", "t", t)},
+  about["node_props_metadata"] = {{"t", zarr.property("nodes", "t", frame)},
                                   {"y", zarr.property("nodes", "y", y)},
                                   {"x", zarr.property("nodes", "x", x)},
                                   {"frame", zarr.property("nodes", "frame", frame)},

@@ -24,12 +24,13 @@ using WriteFile =
     std::function<void(const std::string& path, const std::function<void(std::ostream&)>& body)>;
 
 /// Writes a GEFF (graph exchange file format 1.1.0): a zarr 2 group of nodes, a stroke (curve) in a frame
-/// each, and directed edges. Nodes have t, y, x, frame, stroke (curve), length; edges probability.
+/// each, and directed edges. Nodes have t and frame (both the frame's number; the axis t has the seconds of a
+/// frame as its `scale`), y, x, stroke (curve), length; edges probability.
 void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::string& folder,
                 const WriteFile& write);
 
 /// Writes a TrackMate file (Fiji, version 7): a spot for each stroke in a frame; all that is linked is a
-/// track.
+/// track. The cost of a link is −ln of its probability, 0 where a stroke goes on.
 void write_trackmate(std::ostream& out, const StrokeTree& tree, const TrackedClip& clip);
 
 /// Writes the strokes' genealogy as GraphML: a node for each stroke with its first and last frame, an edge

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <ostream>
@@ -58,6 +60,12 @@ void write_spots(std::ostream& out, const StrokeTree& tree, double seconds, doub
   out << "    </AllSpots>\n";
 }
 
+/// Returns −ln p: costs of independent links add up, and the surest link is the cheapest. At most that of the
+/// smallest normal number, since readers refuse infinity.
+double link_cost(double probability) {
+  return std::abs(std::log(std::max(std::numeric_limits<double>::min(), probability)));
+}
+
 void write_tracks(std::ostream& out, const StrokeTree& tree) {
   const auto tracks = tracks_of(tree);
   std::map<std::size_t, std::vector<const StrokeTree::Link*>> links;
@@ -69,7 +77,7 @@ void write_tracks(std::ostream& out, const StrokeTree& tree) {
     for (const auto* link : list)
       out << "        <Edge" << attribute("SPOT_SOURCE_ID", static_cast<double>(link->from))
           << attribute("SPOT_TARGET_ID", static_cast<double>(link->to))
-          << attribute("LINK_COST", link->probability) << "/>\n";
+          << attribute("LINK_COST", link_cost(link->probability)) << "/>\n";
     out << "      </Track>\n";
   }
   out << "    </AllTracks>\n    <FilteredTracks>\n";

@@ -54,6 +54,7 @@ std::vector<TipTrack> follow_tips(const MotionGraph& motion) {
       for (const auto& [i, j] : detail::link_tips(frames[t - 1], graph, motion.links[t], clusters)) {
         const std::size_t number = open.at(i);
         TipTrack& track = tracks[number];
+        if (track.curve != graph.vertices()[j].curve) continue;  // the end of another curve is another tip
         const Point out = direction_at(frames[t - 1], i) + direction_at(graph, j);
         const double length = norm(out);
         const Point step = graph.patch(j).position - track.places.back();

@@ -19,7 +19,7 @@ std::string_view name(TipPhase phase);
 /// One phase of one tip.
 struct TipMotion {
   std::uint32_t tip = 0;  ///< counts from 1
-  CurveId curve;          ///< in the first frame; 0 where curves are not identified
+  CurveId curve;          ///< ends there, from first to last frame; 0 where curves are not identified
   TipPhase phase = TipPhase::pause;
   int first = 0, last = 0;  ///< frames
   Point begin, end;         ///< px
@@ -28,7 +28,8 @@ struct TipMotion {
 };
 
 /// Follows the tips of all curves and finds when they grow, retract and pause.
-/// A tip's way is the sum of its steps along the direction in which its curve ends, in the frame of the
+/// A tip is the end of one curve: where a track goes on as the end of another one, a new tip begins. Its
+/// way is the sum of its steps along the direction in which its curve ends, in the frame of the
 /// picture: a curve that slides along itself grows at one end and retracts at the other. The way, its running
 /// median of three frames, is cut into straight parts of three frames or more by least squares, at 3
 /// ln(frames) of twice the log likelihood for a part (optimal partitioning, Jackson et al. 2005), its noise

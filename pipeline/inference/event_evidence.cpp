@@ -19,6 +19,7 @@
 #include "core/parallel.hpp"
 #include "graph/events/event_family.hpp"
 #include "pipeline/inference/event_paths.hpp"
+#include "pipeline/inference/event_strokes.hpp"
 #include "pipeline/inference/frame_likeness.hpp"
 #include "pipeline/inference/visible_contrast.hpp"
 #include "sketch/refinement/amplitude.hpp"
@@ -217,7 +218,7 @@ void add_events(std::span<const Reading> readings, std::size_t number, bool brin
     added.weighed.event = reading.traced[k].event;
     added.weighed.evidence.of_stroke = is_of_stroke(added.weighed.event.type);
     added.members.emplace_back(number, k);
-    if (number > 0) added.weighed.event.before.clear(), added.weighed.event.after.clear();
+    if (number > 0) name_strokes(added.weighed.event, reading.index, readings.front().index);
   }
 }
 

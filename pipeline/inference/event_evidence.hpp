@@ -13,7 +13,7 @@ namespace emberfold::pipeline {
 
 /// Holds an event that was read from the graphs, and what speaks for it.
 struct WeighedEvent {
-  graph::Event event;  ///< of probability 1; it names strokes if the first of the steadied readings has it
+  graph::Event event;  ///< of probability 1; names the strokes of the first of the steadied readings
   mcmc::ChangeEvidence evidence;
 };
 

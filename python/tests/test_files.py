@@ -148,7 +148,9 @@ def test_geff_holds_strokes_and_events(run, tmp_path):
     props = {name: read_zarr(path / "nodes/props" / name / "values") for name in about["node_props_metadata"]}
     assert all(len(values) == len(ids) for values in props.values())
     assert (props["frame"][edges[:, 0]] < props["frame"][edges[:, 1]]).all()
-    assert np.allclose(props["t"], props["frame"] / 30)
+    time = about["axes"][0]
+    assert np.array_equal(props["t"], props["frame"]) and props["t"].dtype.kind == "i"
+    assert (time["unit"], time["scaled_unit"]) == ("frame", "second") and time["scale"] == pytest.approx(1 / 30)
     split = run.events.iloc[0]
     heads = edges[props["stroke"][edges[:, 0]] == split["before"][0]][:, 1]
     assert set(split["after"]) <= set(props["stroke"][heads])

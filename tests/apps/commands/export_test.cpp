@@ -56,7 +56,9 @@ TEST_CASE("a run is exported as tables, GEFF, TrackMate and GraphML, alike in wh
 
   const Json about = Json::parse(bytes_of(made.temp / "out/run.geff/.zattrs"))["geff"];
   CHECK(about["directed"] == true);
-  CHECK(about["axes"][0]["unit"] == "second");
+  CHECK(about["axes"][0]["unit"] == "frame");
+  CHECK(about["axes"][0]["scale"] == 0.1);
+  CHECK(about["axes"][0]["scaled_unit"] == "second");
   CHECK(about["axes"][1]["unit"] == "micrometer");
   const Json ids = Json::parse(bytes_of(made.temp / "out/run.geff/nodes/ids/.zarray")),
              edges = Json::parse(bytes_of(made.temp / "out/run.geff/edges/ids/.zarray"));

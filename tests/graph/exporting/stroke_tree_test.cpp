@@ -1,38 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/exporting/stroke_tree.hpp"
 
+#include <cmath>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "graph/events/events.hpp"
 #include "graph/exporting/tracking_files.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/graphs.hpp"
+#include "tests/support/merging_strokes.hpp"
 
 using namespace emberfold;
-
-namespace {
-
-/// Two lines of 10 px in frames 0 and 1, which are one of 30 px in frames 2 and 3.
-graph::MotionGraph two_become_one() {
-  test::Frame apart, one;
-  apart.line({{10, 50}, {15, 50}, {20, 50}});
-  apart.line({{30, 50}, {35, 50}, {40, 50}});
-  one.line({{10, 50}, {15, 50}, {20, 50}, {25, 50}, {30, 50}, {35, 50}, {40, 50}});
-  return graph::identify(test::motion({apart.graph(), apart.graph(), one.graph(), one.graph()},
-                                      {{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}},
-                                       {{0, 0}, {1, 1}, {2, 2}, {3, 4}, {4, 5}, {5, 6}},
-                                       {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6}}}));
-}
-
-graph::Event merge_with(double probability) {
-  graph::Event event;
-  event.frame = 2, event.type = graph::EventType::merge, event.position = {25, 50};
-  event.before = {{1}, {2}}, event.after = {{3}};
-  event.probability = probability;
-  return event;
-}
-
-}  // namespace
+using test::merge_with;
+using test::two_become_one;
 
 TEST_CASE("A merge leads from the last frames of two strokes to the first of the whole",
           "[graph][exporting]") {
@@ -76,7 +57,28 @@ TEST_CASE("Strokes of a TrackMate file lie in micrometres and seconds", "[graph]
   CHECK_THAT(out.str(), test::Contains("POSITION_X=\"12.5\" POSITION_Y=\"25\"") &&
                             test::Contains("POSITION_T=\"0.6") && test::Contains("RADIUS=\"7.5\"") &&
                             test::Contains("LENGTH=\"15\""));
-  CHECK_THAT(out.str(), test::Contains("SPOT_SOURCE_ID=\"3\" SPOT_TARGET_ID=\"4\" LINK_COST=\"0.75\""));
+  CHECK_THAT(out.str(), test::Contains("SPOT_SOURCE_ID=\"3\" SPOT_TARGET_ID=\"4\" LINK_COST=\"0.28768207"));
+}
+
+TEST_CASE("The surest link of a TrackMate file is the cheapest", "[graph][exporting]") {
+  const auto costs = [](double probability) {
+    const auto tree = graph::make_stroke_tree(two_become_one(), {merge_with(probability)});
+    std::ostringstream out;
+    graph::write_trackmate(out, tree, {"clip", 320, 240, 4, 25, {}});
+    std::vector<double> found;
+    const std::string text = out.str(), key = "LINK_COST=\"";
+    for (auto at = text.find(key); at != std::string::npos; at = text.find(key, at + 1))
+      found.push_back(std::stod(text.substr(at + key.size())));
+    return found;
+  };
+  // Three links of strokes that go on, which are sure, and two of the event.
+  CHECK(costs(1) == std::vector<double>{0, 0, 0, 0, 0});
+  const auto even = costs(0.5), faint = costs(0);
+  REQUIRE(even.size() == 5);
+  CHECK(even[2] == 0);
+  CHECK(even[4] == Approx(0.693147));
+  REQUIRE(faint.size() == 5);
+  CHECK((std::isfinite(faint[4]) && faint[4] > even[4]));
 }
 
 TEST_CASE("A stroke of a GraphML file has its frames and its mean length", "[graph][exporting]") {

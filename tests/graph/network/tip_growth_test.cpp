@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "core/error.hpp"
 #include "core/rng.hpp"
@@ -113,6 +115,31 @@ TEST_CASE("A tip that is missed in single frames does not grow", "[graph][networ
   }
   for (const TipMotion& one : graph::tip_motions(graph::identify(test::motion(frames, links))))
     CHECK(one.phase == TipPhase::pause);
+}
+
+TEST_CASE("A tip is the end of one curve: where that becomes another one, a new tip begins",
+          "[graph][network]") {
+  // Curve 7 is called 9 from frame 20 on.
+  std::vector<graph::AttributeGraph> frames;
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links;
+  for (int t = 0; t < 40; ++t) {
+    test::Frame frame;
+    frame.line(test::segment({50, 100}, {120.0 + t, 100}, 15));
+    for (auto& vertex : frame.vertices) vertex.curve = {t < 20 ? 7U : 9U};
+    frames.push_back(frame.graph());
+    if (t == 0) continue;
+    links.emplace_back();
+    for (std::uint32_t v = 0; v < 15; ++v) links.back().emplace_back(v, v);
+  }
+  std::set<std::pair<std::uint32_t, std::uint32_t>> tips;  // and their curves
+  double growth = 0;
+  for (const TipMotion& one : graph::tip_motions(graph::identify(test::motion(frames, links)))) {
+    tips.emplace(one.tip, one.curve.value);
+    CHECK((one.curve.value == 7 ? one.last < 20 : one.first >= 20));
+    if (one.phase == TipPhase::growth) growth += one.rate * (one.last - one.first);
+  }
+  CHECK(tips.size() == 4);  // two ends of two curves
+  CHECK_THAT(growth, test::WithinAbs(38, 0.5));
 }
 
 TEST_CASE("The table of tips, in px and in units", "[graph][io]") {
