@@ -43,12 +43,34 @@ std::int64_t count(const Fields& fields, const std::string& key) {
   return value >= 1 && value < 1e9 ? std::llround(value) : 1;
 }
 
-std::optional<double> interval(const Fields& fields) {
+/// Sets the time between frames. `fps` alone is the speed at which ImageJ plays the stack, not a measured
+/// rate.
+void read_interval(const Fields& fields, TiffAxes& axes) {
   const std::string named = word(fields, "tunit");
   const auto unit = seconds_of(named.empty() ? "s" : named);
-  if (const double step = number(fields, "finterval", 0); step > 0 && unit) return step * *unit;
-  if (const double fps = number(fields, "fps", 0); fps > 0) return 1 / fps;
-  return std::nullopt;
+  if (const double step = number(fields, "finterval", 0); step > 0 && unit)
+    axes.interval = step * *unit;
+  else if (const double fps = number(fields, "fps", 0); fps > 0)
+    axes.doubts.push_back(
+        "its head has a playback speed (fps=" + core::significant_text(fps, 5) +
+        ") but no time between frames (finterval); the frame rate is unknown, --fps sets it");
+}
+
+/// Sets the side of a pixel. A resolution in inches is that of a screen or print, which every program writes.
+void read_pixel_size(const Fields& fields, const TiffPage& first, TiffAxes& axes) {
+  const std::string name = word(fields, "unit");
+  const auto unit = um_of(name);
+  if (!unit || first.pixels_a_unit <= 0) return;
+  if (name == "inch" || name == "in") {
+    axes.doubts.push_back("its resolution of " + core::significant_text(first.pixels_a_unit, 5) +
+                          " pixels an inch is that of a screen or print; the size of a pixel is unknown, "
+                          "--pixel-size sets it");
+    return;
+  }
+  axes.pixel_um = *unit / first.pixels_a_unit;
+  if (std::abs(first.aspect - 1) > 0.01)
+    axes.doubts.push_back("its pixels are " + core::significant_text(1 / first.aspect, 3) +
+                          " times as high as wide; they are taken as square, of the width");
 }
 
 }  // namespace
@@ -72,14 +94,8 @@ TiffAxes read_imagej_axes(const std::vector<TiffPage>& pages) {
                           " frames, which are not the " + std::to_string(in_file) +
                           " pages that it has; every page is taken as a frame");
   }
-  const TiffPage& first = pages.front();
-  if (const auto unit = um_of(word(fields, "unit")); unit && first.pixels_a_unit > 0) {
-    axes.pixel_um = *unit / first.pixels_a_unit;
-    if (std::abs(first.aspect - 1) > 0.01)
-      axes.doubts.push_back("its pixels are " + core::significant_text(1 / first.aspect, 3) +
-                            " times as high as wide; they are taken as square, of the width");
-  }
-  axes.interval = interval(fields);
+  read_pixel_size(fields, pages.front(), axes);
+  read_interval(fields, axes);
   return axes;
 }
 
