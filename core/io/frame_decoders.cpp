@@ -185,7 +185,7 @@ class ImageDecoder final : public FrameDecoder {
  public:
   ImageDecoder(std::vector<fs::path> files, bool to_grey, const core::Warn& warn)
       : files_(std::move(files)), to_grey_(to_grey), warn_(warn) {
-    const ImageFile first = read_image(files_.front());
+    const ImageFile first = read_image(files_.front(), MissingNumbers::kept);
     info_.width = first.pixels.cols;
     info_.height = first.pixels.rows;
     info_.channels = to_grey_ ? 1 : first.pixels.channels();
@@ -215,7 +215,7 @@ class ImageDecoder final : public FrameDecoder {
 
  private:
   cv::Mat load(const fs::path& file) {
-    ImageFile image = read_image(file);
+    ImageFile image = read_image(file, MissingNumbers::kept);
     cv::Mat& pixels = image.pixels;
     const auto differs = [&](const std::string& is, const std::string& first) {
       throw core::IoError("the image " + file.string() + " is " + is + ", the clip's first, " +

@@ -219,7 +219,7 @@ std::vector<fs::path> match_images(const fs::path& pattern) {
   return files;
 }
 
-ImageFile read_image(const fs::path& path) {
+ImageFile read_image(const fs::path& path, MissingNumbers missing) {
   std::ifstream in = open_file(path);
   std::error_code error;
   Bytes bytes(fs::file_size(path, error));
@@ -241,7 +241,7 @@ ImageFile read_image(const fs::path& path) {
   if (image.pixels.depth() == CV_64F) image.pixels.convertTo(image.pixels, CV_32F);
   if (image.pixels.depth() != CV_8U && image.pixels.depth() != CV_16U && image.pixels.depth() != CV_32F)
     fail_image(path, "its values have neither 8 nor 16 bits, nor are they floats");
-  if (image.pixels.depth() == CV_32F && !cv::checkRange(image.pixels))
+  if (missing == MissingNumbers::refused && image.pixels.depth() == CV_32F && !cv::checkRange(image.pixels))
     fail_image(path, "it holds a value that is no finite number");
   image.pages = static_cast<int>(std::ranges::count_if(pages, &TiffPage::is_picture));
   return image;

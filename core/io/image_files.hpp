@@ -47,8 +47,11 @@ struct ImageFile {
   int pages = 1;  ///< in the file; the first one was read
 };
 
+/// Says what is done with floats that are no finite numbers.
+enum class MissingNumbers { refused, kept };
+
 /// Reads one image. Throws core::IoError, naming the file: it cannot be opened, is no image, is cut off or
-/// damaged (found for PNG, JPEG and TIFF), or holds another depth.
-ImageFile read_image(const std::filesystem::path& path);
+/// damaged (found for PNG, JPEG and TIFF), holds another depth, or numbers that are refused.
+ImageFile read_image(const std::filesystem::path& path, MissingNumbers missing = MissingNumbers::refused);
 
 }  // namespace emberfold::io
