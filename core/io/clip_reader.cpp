@@ -52,10 +52,9 @@ std::unique_ptr<FrameDecoder> open_image(const fs::path& path, const ReadOptions
 /// Refuses a channel of a clip that has one alone. The samples and axes of a TIFF may hold others.
 void check_channel(const std::string& name, const FrameDecoder& decoder, const ReadOptions& options) {
   if (!options.channel || decoder.info().channels > 1) return;
-  std::error_code error;
-  if (fs::is_regular_file(name, error) && is_tiff(name)) {
-    const auto pages = read_tiff_pages(name);
-    if (pages.front().samples > 1 || read_tiff_axes(name, pages).channels > 1) return;
+  if (const fs::path file = first_file(name); is_tiff(file)) {
+    const auto pages = read_tiff_pages(file);
+    if (pages.front().samples > 1 || (file == name && read_tiff_axes(file, pages).channels > 1)) return;
   }
   throw core::InputError("channel " + std::to_string(*options.channel) + " of " + name +
                          " is asked for, but it is grey and has one channel; leave --channel out");

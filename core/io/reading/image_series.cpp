@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <system_error>
 
 #include "core/error.hpp"
 #include "core/io/image_files.hpp"
@@ -35,6 +36,12 @@ std::string count_text(std::size_t count) {
 }
 
 }  // namespace
+
+fs::path first_file(const std::string& name) {
+  std::error_code error;
+  if (fs::is_directory(name, error)) return list_images(name).front();
+  return is_pattern(name) && !fs::exists(name, error) ? match_images(name).front() : fs::path(name);
+}
 
 void refuse_several_series(const std::vector<fs::path>& files) {
   std::map<std::string, std::size_t> series;

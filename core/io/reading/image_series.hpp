@@ -7,6 +7,9 @@
 
 namespace emberfold::io {
 
+/// Returns the first image of a folder or pattern; of other names the name itself. Throws as list_images.
+std::filesystem::path first_file(const std::string& name);
+
 /// Throws core::InputError that names the patterns where images are several numbered series (a_1.png …,
 /// b_1.png …), which would become one clip. Names are compared without their numbers; single strangers among
 /// the images are no series.

@@ -20,6 +20,7 @@ namespace {
 constexpr double kSmallPart = 1. / 8;
 constexpr double kStray = 4;             // stray values need a white this many times as large
 constexpr double kBelowBlack = 1. / 32;  // of the largest value: floats this far below 0 are no rounding
+constexpr double kLeastSteps = 16;       // of whole numbers: fewer show no shading, only rounding
 constexpr double kMargin = 1. / 4;       // of a range that is spread, kept at both ends for noise
 
 /// The largest number in as many bits as the value needs, at least 8.
@@ -95,7 +96,8 @@ AutoLevels choose_levels(FrameDecoder& clip, const ValueRange& values) {
                     "; levels auto leaves them out, and " + text(shared_white) + " is white";
     }
     const bool has_negative = shared.min < 0 && values.low < 0 && -shared.min > kBelowBlack * shared.max;
-    if (has_negative || shared.max - shared.min < kSmallPart * range.white) {
+    const bool has_steps = depth == CV_32F || shared.max - shared.min >= kLeastSteps;
+    if (has_negative || (has_steps && shared.max - shared.min < kSmallPart * range.white)) {
       range = spread_range(values, shared, depth);
       found.words = "its values are between " + text(shared.min) + " and " + text(shared.max) +
                     (values.min < shared.min || values.max > shared.max ? " but for single pixels" : "") +

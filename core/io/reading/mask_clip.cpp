@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <set>
 #include <string>
-#include <system_error>
 
 #include <opencv2/core.hpp>
 
@@ -13,7 +12,7 @@
 #include "core/error.hpp"
 #include "core/io/clip_reader.hpp"
 #include "core/io/files.hpp"
-#include "core/io/image_files.hpp"
+#include "core/io/reading/image_series.hpp"
 #include "core/text/size_text.hpp"
 
 namespace emberfold::io {
@@ -28,12 +27,7 @@ constexpr std::size_t kMostCounted = 256;
 
 /// True where the file's compression may change a 0 into small values.
 bool is_lossy(const std::string& name) {
-  std::error_code error;
-  fs::path file(name);
-  if (fs::is_directory(file, error))
-    file = list_images(file).front();
-  else if (is_pattern(file) && !fs::exists(file, error))
-    file = match_images(file).front();
+  const fs::path file = first_file(name);
   const std::string extension = file.extension().string();
   return is_video_name(file) || extension.starts_with(".jp") || extension.starts_with(".JP");
 }

@@ -11,6 +11,8 @@ namespace emberfold::io {
 
 namespace {
 
+constexpr std::int64_t kSmall = 10000;  // planes; a head that tells of more is believed if a quarter is there
+
 // Lines of KEY=VALUE.
 using Fields = std::map<std::string, std::string>;
 
@@ -73,21 +75,32 @@ void read_pixel_size(const Fields& fields, const TiffPage& first, TiffAxes& axes
                           " times as high as wide; they are taken as square, of the width");
 }
 
+bool fits(std::int64_t channels, std::int64_t slices, std::int64_t frames, std::int64_t pages) {
+  return channels <= pages && slices <= pages && channels * slices <= pages &&
+         channels * slices * frames == pages;
+}
+
 }  // namespace
 
-TiffAxes read_imagej_axes(const std::vector<TiffPage>& pages) {
+std::uint64_t pages_by_imagej(const TiffPage& first) {
+  return static_cast<std::uint64_t>(count(read_fields(first.description), "images"));
+}
+
+TiffAxes read_imagej_axes(const std::filesystem::path& path, const std::vector<TiffPage>& pages) {
   const Fields fields = read_fields(pages.front().description);
   TiffAxes axes = plain_axes(pages);
   const std::int64_t channels = count(fields, "channels"), slices = count(fields, "slices"),
-                     frames = count(fields, "frames");
+                     frames = count(fields, "frames"), images = count(fields, "images");
   const auto in_file = static_cast<std::int64_t>(pages.size());
   if (channels * slices == 1 && frames == 1) {
     // "images" alone: a plain stack
-  } else if (channels <= in_file && slices <= in_file && channels * slices * frames == in_file) {
-    // The channel changes fastest, then the slice, then the frame: the order of `planes`.
+  } else if (fits(channels, slices, frames, in_file) ||
+             (in_file < images && images <= 4 * in_file + kSmall &&
+              fits(channels, slices, frames, images))) {  // the file ends early
     axes.channels = static_cast<int>(channels), axes.slices = static_cast<int>(slices);
     axes.frames = static_cast<int>(frames);
-    if (frames == 1 && slices > 1) axes.slices_are_frames = true;
+    place_pages(path, "CZT", {{}}, pages.size(), axes);
+    if (axes.frames == 1 && slices > 1) axes.slices_are_frames = true;
   } else {
     axes.doubts.push_back("its head tells of " + std::to_string(channels) + " channels, " +
                           std::to_string(slices) + " slices and " + std::to_string(frames) +

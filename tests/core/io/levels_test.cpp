@@ -110,6 +110,24 @@ TEST_CASE("values in a small part of the range, and those around 0, are spread")
   CHECK(read(path).clip.info.white == 1023);
 }
 
+TEST_CASE("signed numbers and floats of 16 bits are read by their values") {
+  const TempFolder temp;
+  const auto path = temp / "stack.tif";
+  struct Case {
+    int depth;
+    double low, high, white;
+  };
+  for (const auto& one :
+       {Case{CV_16S, -32000, -20000, 12000}, Case{CV_16S, 4000, 20000, 32767}, Case{CV_8S, -88, 72, 160},
+        Case{CV_32S, 0, 100000, 131071}, Case{CV_16F, 0.25, 0.75, 1}, Case{CV_64F, -4, 4, 8}}) {
+    INFO(one.depth << ": " << one.low);
+    write_tiff(path, ramps(one.low, one.high, one.depth));
+    const auto found = read(path);
+    CHECK(found.clip.info.white == Approx(one.white).epsilon(1e-3));
+    CHECK(level(found, 60) - level(found, 0) == Approx(255 * (one.high - one.low) / one.white).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("floats that are no numbers are masked, and no edge arises at them") {
   const TempFolder temp;
   const auto path = temp / "stack.tif";
