@@ -2,7 +2,10 @@
 #include "core/io/clip_identity.hpp"
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <system_error>
 #include <vector>
 
@@ -16,7 +19,24 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Adds a file's size and time of last change; returns whether it is a file.
+/// Adds evenly spaced samples of a file's content, the head and the tail among them; small files are added
+/// whole.
+bool add_content(core::Fingerprint& sum, const fs::path& path, std::uintmax_t size) {
+  constexpr std::uintmax_t kBlock = std::uintmax_t{1} << 14, kBlocks = 9;  // 144 KiB take below 1 ms
+  std::ifstream in(path, std::ios::binary);
+  std::string block;
+  const bool is_small = size <= kBlock * kBlocks;
+  for (std::uintmax_t i = 0; i < (is_small ? 1 : kBlocks); ++i) {
+    block.resize(is_small ? size : kBlock);
+    in.seekg(static_cast<std::streamoff>(is_small ? 0 : (size - kBlock) / (kBlocks - 1) * i));
+    if (i + 1 == kBlocks) in.seekg(static_cast<std::streamoff>(size - kBlock));
+    if (!in.read(block.data(), static_cast<std::streamsize>(block.size()))) return false;
+    sum.add(block);
+  }
+  return true;
+}
+
+/// Adds a file's size, time of last change and content; returns whether it is a file that can be read.
 bool add_file(core::Fingerprint& sum, const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return false;
@@ -27,7 +47,7 @@ bool add_file(core::Fingerprint& sum, const fs::path& path) {
   sum.add(
       std::to_string(size) + " " +
       std::to_string(std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count()));
-  return true;
+  return add_content(sum, path, size);
 }
 
 }  // namespace

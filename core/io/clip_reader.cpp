@@ -10,8 +10,11 @@
 #include "core/io/frame_decoders.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
+#include "core/io/reading/animated_image.hpp"
+#include "core/io/reading/image_series.hpp"
 #include "core/io/reading/piped_clip.hpp"
 #include "core/io/reading/transformed_clip.hpp"
+#include "core/io/tiff/axes.hpp"
 #include "core/io/tiff_pages.hpp"
 
 namespace emberfold::io {
@@ -24,6 +27,37 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
   return text;
+}
+
+/// Images that are the frames of one clip.
+std::unique_ptr<FrameDecoder> open_series(std::vector<fs::path> files, const ReadOptions& options,
+                                          const core::Warn& warn) {
+  refuse_several_series(files);
+  refuse_stacks(files);
+  if (const auto words = repeated_numbers(files); warn && !words.empty()) warn(words);
+  return decode_images(std::move(files), options, warn);
+}
+
+std::unique_ptr<FrameDecoder> open_image(const fs::path& path, const ReadOptions& options,
+                                         const core::Warn& warn) {
+  const Animation animation = read_animation(path);
+  if (animation.kind == Animation::Kind::apng) return decode_video(path, options, warn);
+  if (animation.kind == Animation::Kind::webp)
+    throw core::IoError("cannot read " + path.string() + ": it is an animated WebP of " +
+                        std::to_string(animation.frames) +
+                        " frames, which no library here decodes; convert it to PNG images, APNG or a video");
+  return decode_images({path}, options, warn);
+}
+
+/// Refuses a channel of a clip that has one alone. The samples and axes of a TIFF may hold others.
+void check_channel(const std::string& name, const FrameDecoder& decoder, const ReadOptions& options) {
+  if (!options.channel || decoder.info().channels > 1) return;
+  if (const fs::path file = first_file(name); is_tiff(file)) {
+    const auto pages = read_tiff_pages(file);
+    if (pages.front().samples > 1 || (file == name && read_tiff_axes(file, pages).channels > 1)) return;
+  }
+  throw core::InputError("channel " + std::to_string(*options.channel) + " of " + name +
+                         " is asked for, but it is grey and has one channel; leave --channel out");
 }
 
 /// Decodes the copy of what came through a pipe, and calls it by the pipe's name.
@@ -50,9 +84,10 @@ class PipedDecoder final : public FrameDecoder {
       if (is_tiff(path_))
         decoder_ = decode_tiff(path_, options, renamed);
       else if (cv::haveImageReader(path_))
-        decoder_ = decode_images({path_}, options, renamed);
+        decoder_ = open_image(path_, options, renamed);
       else
         decoder_ = decode_video(path_, options, renamed);
+      check_channel(path_, *decoder_, options);
       return 0;
     });
   }
@@ -83,9 +118,9 @@ std::unique_ptr<FrameDecoder> open_decoder(const std::string& name, const ReadOp
   if (fs::is_directory(status))
     if (const auto format = model_format(path))
       throw core::IoError(name + " is no clip but " + about_model(*format));
-  if (fs::is_directory(status)) return decode_images(list_images(path), options, warn);
+  if (fs::is_directory(status)) return open_series(list_images(path), options, warn);
   if (!fs::exists(status)) {
-    if (is_pattern(path)) return decode_images(match_images(path), options, warn);
+    if (is_pattern(path)) return open_series(match_images(path), options, warn);
     throw core::IoError(name.empty() ? "the clip's name is empty"
                                      : "cannot read " + name + ": " +
                                            (error && error != std::errc::no_such_file_or_directory
@@ -93,7 +128,7 @@ std::unique_ptr<FrameDecoder> open_decoder(const std::string& name, const ReadOp
                                                 : "there is no such file or folder"));
   }
   if (is_tiff(path)) return decode_tiff(path, options, warn);
-  if (is_image_name(path)) return decode_images({path}, options, warn);
+  if (is_image_name(path)) return open_image(path, options, warn);
   return decode_video(path, options, warn);
 }
 
@@ -104,15 +139,18 @@ std::unique_ptr<core::FrameSource> open_video(const std::string& name, const Rea
   options.validate();
   ReadOptions decoding = options;
   if (options.channel) decoding.grey = false;  // a colour is taken before
-  return transform_clip(name == "-" ? "standard input" : name, open_decoder(name, decoding, warn), options,
-                        warn);
+  auto decoder = open_decoder(name, decoding, warn);
+  if (!is_piped(name)) check_channel(name, *decoder, options);
+  return transform_clip(name == "-" ? "standard input" : name, std::move(decoder), options, warn);
 }
 
 std::unique_ptr<core::FrameSource> open_clip(core::Clip clip, const std::string& name,
                                              const ReadOptions& options, const core::Warn& warn) {
   options.validate();
   refuse_slices(name, options);
-  return transform_clip(name, decode_clip(std::move(clip)), options, warn);
+  auto decoder = decode_clip(std::move(clip));
+  check_channel(name, *decoder, options);
+  return transform_clip(name, std::move(decoder), options, warn);
 }
 
 }  // namespace emberfold::io

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/frame_decoders.hpp"
 
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -31,9 +33,9 @@ std::string depth_text(int depth) {
 
 class ImageDecoder final : public FrameDecoder {
  public:
-  ImageDecoder(std::vector<fs::path> files, bool to_grey, const core::Warn& warn)
-      : files_(std::move(files)), to_grey_(to_grey), warn_(warn) {
-    const ImageFile first = read_image(files_.front());
+  ImageDecoder(std::vector<fs::path> files, const ReadOptions& options, const core::Warn& warn)
+      : files_(std::move(files)), to_grey_(options.grey), channel_(options.channel), warn_(warn) {
+    const ImageFile first = read_image(files_.front(), channel_);
     info_.width = first.pixels.cols;
     info_.height = first.pixels.rows;
     info_.channels = to_grey_ ? 1 : first.pixels.channels();
@@ -63,7 +65,7 @@ class ImageDecoder final : public FrameDecoder {
 
  private:
   cv::Mat load(const fs::path& file) {
-    ImageFile image = read_image(file);
+    ImageFile image = read_image(file, channel_);
     cv::Mat& pixels = image.pixels;
     const auto differs = [&](const std::string& is, const std::string& first) {
       throw core::IoError("the image " + file.string() + " is " + is + ", the clip's first, " +
@@ -73,8 +75,10 @@ class ImageDecoder final : public FrameDecoder {
     if (pixels.size() != size) differs(core::size_text(pixels.size()) + " pixels", core::size_text(size));
     if (pixels.depth() != info_.depth)
       differs("of " + depth_text(pixels.depth()), "of " + depth_text(info_.depth));
-    if (image.had_alpha && !std::exchange(warned_, true))
-      report(warn_, file.string() + ": its alpha channel is dropped, and so is that of the images after it");
+    for (const auto& note : image.notes)
+      if (noted_.insert(note).second)
+        report(warn_,
+               file.string() + ": " + note + (files_.size() > 1 ? ", and so for the images after it" : ""));
     if (image.pages > 1 && !std::exchange(warned_pages_, true))
       report(warn_,
              file.string() + " has " + std::to_string(image.pages) +
@@ -89,10 +93,12 @@ class ImageDecoder final : public FrameDecoder {
 
   std::vector<fs::path> files_;
   bool to_grey_;
+  std::optional<int> channel_;
   core::Warn warn_;
   core::ClipInfo info_;
   std::size_t position_ = 0;
-  bool warned_ = false, warned_pages_ = false;
+  std::set<std::string> noted_;
+  bool warned_pages_ = false;
 };
 
 class MemoryClip final : public FrameDecoder {
@@ -119,7 +125,7 @@ std::unique_ptr<FrameDecoder> decode_images(std::vector<fs::path> files, const R
                                             const core::Warn& warn) {
   silence_media_libraries();
   refuse_slices(files.front(), options);
-  return std::make_unique<ImageDecoder>(std::move(files), options.grey, warn);
+  return std::make_unique<ImageDecoder>(std::move(files), options, warn);
 }
 
 std::unique_ptr<FrameDecoder> decode_clip(core::Clip clip) {

@@ -33,8 +33,8 @@ std::unique_ptr<FrameDecoder> decode_video(const std::filesystem::path& path, co
 /// several pages the first is taken, each with one warning; numbers that are missing in the files' names are
 /// told, too. The first file tells size, depth, channels and the size of a pixel; grey files in a colour clip
 /// are spread to three channels. Throws core::IoError, naming the file: unreadable, cut off, of another size
-/// or depth than the first, colour in a grey clip (unless options.grey, which turns every file to luma), a
-/// float that is not finite; core::InputError where a slice is asked for.
+/// or depth than the first, colour in a grey clip (unless options.grey, which turns every file to luma);
+/// core::InputError where a slice is asked for. Floats may be no finite numbers.
 std::unique_ptr<FrameDecoder> decode_images(std::vector<std::filesystem::path> files,
                                             const ReadOptions& options, const core::Warn& warn);
 
@@ -43,7 +43,7 @@ std::unique_ptr<FrameDecoder> decode_images(std::vector<std::filesystem::path> f
 /// asked for, and what is odd in the metadata, is told. Smaller copies and masks among the pages are passed
 /// over, with a warning. Pages have 1 or 3 channels (alpha is dropped, with a warning) of 8 bits, 16 bits or
 /// floats (CV_32F; doubles are converted). Some 128 MiB of pages are kept. Throws core::IoError, naming the
-/// file and page: cut off, damaged, of another size or kind than the first, a float that is not finite;
+/// file and page: cut off, damaged, of another size or kind than the first;
 /// core::InputError for a channel or slice that it does not have.
 std::unique_ptr<FrameDecoder> decode_tiff(const std::filesystem::path& path, const ReadOptions& options,
                                           const core::Warn& warn);

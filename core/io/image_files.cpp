@@ -15,6 +15,8 @@
 
 #include "core/error.hpp"
 #include "core/io/files.hpp"
+#include "core/io/tiff/page_reader.hpp"
+#include "core/io/tiff/samples.hpp"
 #include "core/io/tiff_pages.hpp"
 
 namespace emberfold::io {
@@ -124,6 +126,19 @@ cv::Mat decode(const fs::path& path, const Bytes& bytes, int flags) {
   return image;
 }
 
+ImageFile read_tiff_image(const fs::path& path, std::optional<int> channel) {
+  ImageFile image;
+  const auto note = [&](const std::string& line) {
+    image.notes.push_back(line.substr(line.find(path.string()) + path.string().size() + 2));
+  };
+  const auto pages = read_picture_pages(path, note);
+  TiffPage first = pages.front();
+  choose_sample(path, first, channel, note);
+  image.pixels = PageReader(path).read(first);
+  image.pages = static_cast<int>(pages.size());
+  return image;
+}
+
 }  // namespace
 
 std::optional<PatternNumber> pattern_number(std::string_view pattern) {
@@ -219,7 +234,8 @@ std::vector<fs::path> match_images(const fs::path& pattern) {
   return files;
 }
 
-ImageFile read_image(const fs::path& path) {
+ImageFile read_image(const fs::path& path, std::optional<int> channel) {
+  if (is_tiff(path)) return read_tiff_image(path, channel);
   std::ifstream in = open_file(path);
   std::error_code error;
   Bytes bytes(fs::file_size(path, error));
@@ -228,22 +244,18 @@ ImageFile read_image(const fs::path& path) {
   if (!in) fail_image(path, "reading stopped half way");
   if (bytes.empty()) fail_image(path, "it is empty");
   if (const std::string what = damage(bytes); !what.empty()) fail_image(path, what);
-  const auto pages = is_tiff(path) ? read_tiff_pages(path) : std::vector<TiffPage>(1);
 
   // Asking for any colour drops alpha and honours EXIF orientation; asking for the pixels unchanged shows the
   // alpha but not the orientation. A PNG tells in its header, which spares the second decoding.
   ImageFile image{decode(path, bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR)};
   const int png_colour = is_png(bytes) ? bytes[25] : -1;
   const bool may_hide_alpha = png_colour < 0 && image.pixels.channels() == 3 && bytes[0] != 0xFF;
-  image.had_alpha = png_colour == 4 || png_colour == 6 ||
-                    (may_hide_alpha && decode(path, bytes, cv::IMREAD_UNCHANGED).channels() == 4);
+  if (png_colour == 4 || png_colour == 6 ||
+      (may_hide_alpha && decode(path, bytes, cv::IMREAD_UNCHANGED).channels() == 4))
+    image.notes.push_back(kAlphaDropped);
   if (png_colour == 4) cv::extractChannel(image.pixels.clone(), image.pixels, 0);  // grey with alpha
-  if (image.pixels.depth() == CV_64F) image.pixels.convertTo(image.pixels, CV_32F);
   if (image.pixels.depth() != CV_8U && image.pixels.depth() != CV_16U && image.pixels.depth() != CV_32F)
     fail_image(path, "its values have neither 8 nor 16 bits, nor are they floats");
-  if (image.pixels.depth() == CV_32F && !cv::checkRange(image.pixels))
-    fail_image(path, "it holds a value that is no finite number");
-  image.pages = static_cast<int>(std::ranges::count_if(pages, &TiffPage::is_picture));
   return image;
 }
 

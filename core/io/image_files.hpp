@@ -40,15 +40,16 @@ bool fits_pattern(std::string_view pattern, std::string_view name);
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 std::vector<std::filesystem::path> match_images(const std::filesystem::path& pattern);
 
-/// One image: CV_8U, CV_16U or CV_32F (TIFF), 1 or 3 channels, turned as its EXIF orientation tells.
+/// One image: CV_8U, CV_16U or CV_32F (TIFF), 1 or 3 channels, upright by its EXIF or TIFF orientation.
 struct ImageFile {
   cv::Mat pixels;
-  bool had_alpha = false;
-  int pages = 1;  ///< in the file; the first one was read
+  int pages = 1;                        ///< in the file; the first one was read
+  std::vector<std::string> notes = {};  ///< of values that are not read as plain ones: alpha, palettes
 };
 
-/// Reads one image. Throws core::IoError, naming the file: it cannot be opened, is no image, is cut off or
-/// damaged (found for PNG, JPEG and TIFF), or holds another depth.
-ImageFile read_image(const std::filesystem::path& path);
+/// Reads one image; `channel`: of a TIFF whose samples are channels of their own, none: the first. Throws
+/// core::IoError, naming the file: it cannot be opened, is no image, is cut off or damaged (found for PNG,
+/// JPEG and TIFF), or holds another depth; core::InputError: no such channel.
+ImageFile read_image(const std::filesystem::path& path, std::optional<int> channel = {});
 
 }  // namespace emberfold::io

@@ -78,6 +78,7 @@ ReadOptions ReadOptions::beside() const {
   other.first = first, other.last = last, other.every = every;
   other.region = region, other.scale = scale, other.grey = grey, other.seed = seed;
   other.fps = fps.value_or(25);
+  other.levels.kind = Levels::Kind::stored;
   return other;
 }
 

@@ -14,9 +14,11 @@ namespace emberfold::io {
 /// Says which values of a clip of 16 bits or floats are black and white.
 struct Levels {
   enum class Kind {
-    used,   ///< black is 0, white the largest number in as many bits as the brightest value needs
-    full,   ///< all that the format holds: 0…65535; of floats from the smallest to the largest value
-    given,  ///< from `low` to `high`, for 8 bits too; what lies outside becomes black or white
+    used,    ///< black is 0, white the largest number in as many bits as the brightest value needs; other
+             ///< ranges where that would hide the picture (find_levels)
+    full,    ///< all that the format holds: 0…65535; of floats from the smallest to the largest value
+    given,   ///< from `low` to `high`, for 8 bits too; what lies outside becomes black or white
+    stored,  ///< as `used`, but no value is ever moved or cut: masks, probabilities
   };
   Kind kind = Kind::used;
   double low = 0, high = 0;  ///< low < high, where given
@@ -46,7 +48,7 @@ struct ReadOptions {
   std::optional<double> pixel_size;  ///< side of a stored pixel, µm, (0, 1e9]
   int every = 1;  ///< 1…1000000: of the range take its first frame and every n-th from there
   std::optional<Region> region;
-  std::string mask;  ///< image or clip, as large as the clip as stored: structure counts where it is bright
+  std::string mask;  ///< image or clip, as large as the clip as stored: structure counts where it is not 0
   Stabilize stabilize = Stabilize::none;
 
   /// Returns what checks and help say of the field that is a plain number.

@@ -52,6 +52,7 @@ OutputFolder::OutputFolder(fs::path folder, Existing existing)
     if (missing.has_filename()) made_.push_back(missing);
   try {
     make_folder(folder_);
+    lock_ = FolderLock(folder_);
     stage_ = scratch_path(folder_);
     make_folder(stage_);
   } catch (const core::IoError& error) {

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/io/writing/folder_lock.hpp"
+
 namespace emberfold::io {
 
 /// Says which files an output folder may replace.
@@ -23,7 +25,7 @@ void require_own(const std::filesystem::path& folder, const std::vector<std::str
 /// Writes files that appear in a folder all together or not at all. They are written into a hidden folder
 /// inside it, which no other process has; commit() moves them. Without commit() they are removed, and the
 /// folder too if it was made here. Throws core::IoError, with the final path and the system's reason, where
-/// something cannot be written.
+/// something cannot be written, or another process writes into the folder (FolderLock).
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path folder, Existing existing = Existing::own);
@@ -47,6 +49,7 @@ class OutputFolder {
 
  private:
   std::filesystem::path folder_, stage_;
+  FolderLock lock_;
   Existing existing_;
   std::vector<std::filesystem::path> made_;  // folders that were not there, the innermost first
   std::vector<std::string> inputs_;

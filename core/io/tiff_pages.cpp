@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <fstream>
 #include <set>
 #include <span>
@@ -11,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/io/files.hpp"
+#include "core/io/tiff/axes.hpp"
 
 namespace emberfold::io {
 
@@ -25,15 +25,20 @@ enum Tag : std::uint64_t {
   kHeight = 257,
   kBits = 258,
   kCompression = 259,
+  kPhotometric = 262,
   kDescription = 270,
   kStripOffsets = 273,
+  kOrientation = 274,
   kSamples = 277,
   kStripBytes = 279,
   kResolutionX = 282,
   kResolutionY = 283,
+  kPlanes = 284,
   kTileOffsets = 324,
   kTileBytes = 325,
-  kFormat = 339
+  kExtra = 338,
+  kFormat = 339,
+  kStack = 33629  // MetaMorph: one entry a picture
 };
 enum Type : std::uint64_t { kByte = 1, kText = 2, kShort = 3, kLong = 4, kRatio = 5, kLong8 = 16 };
 
@@ -54,9 +59,20 @@ std::uint64_t type_bytes(std::uint64_t type) {
   }
 }
 
+/// The file ends before what is read.
+struct CutOff : core::IoError {
+  using IoError::IoError;
+};
+
+/// A page, and whether its pixels are inside the file.
+struct FoundPage {
+  TiffPage page;
+  bool is_whole = true;
+};
+
 class TiffReader {
  public:
-  explicit TiffReader(const fs::path& path) : path_(path), in_(open_file(path)) {
+  TiffReader(const fs::path& path, const core::Warn& warn) : path_(path), warn_(warn), in_(open_file(path)) {
     std::error_code error;
     size_ = fs::file_size(path, error);
     if (error) fail(error.message());
@@ -70,17 +86,18 @@ class TiffReader {
       fail("it is no TIFF");
     big_ = version == 43;
     std::uint64_t at = big_ ? number_at(8, 8) : number(std::span(head).subspan(4, 4));
-    std::vector<TiffPage> found;
-    std::set<std::uint64_t> seen;
-    while (at != 0) {
-      if (!seen.insert(at).second) fail("it is damaged: its pages follow each other in a circle");
-      is_first_ = found.empty();
-      found.push_back(page(at));
-      found.back().index = static_cast<int>(found.size() - 1);
-    }
-    if (found.empty()) fail("it holds no page");
-    add_raw_pages(found);
-    return found;
+    auto found = chain(at);
+    const auto broken = std::ranges::find(found, false, &FoundPage::is_whole);
+    std::vector<TiffPage> pages;
+    for (auto it = found.begin(); it != broken; ++it) pages.push_back(std::move(it->page));
+    if (pages.empty()) fail_cut();
+    const std::uint64_t planned =
+        std::max({std::uint64_t{found.size()}, pages.front().stacked, pages_by_head(pages.front())});
+    if (found.size() == 1) add_raw_pages(pages);
+    if (broken != found.end() || chain_is_cut_) warn_of_end(pages.size(), planned);
+    spread_planes(pages);
+    for (std::size_t i = 0; i < pages.size(); ++i) pages[i].index = static_cast<int>(i);
+    return pages;
   }
 
  private:
@@ -89,11 +106,43 @@ class TiffReader {
   };
 
   [[noreturn]] void fail(const std::string& reason) const {
-    throw core::IoError("cannot read the image " + path_.string() + ": " + reason);
+    throw core::IoError("cannot read " + path_.string() + ": " + reason);
+  }
+  [[noreturn]] void fail_cut() const { throw CutOff("cannot read " + path_.string() + ": it is cut off"); }
+  void warn(const std::string& what) const {
+    if (warn_) warn_(path_.string() + ": " + what);
+  }
+
+  void warn_of_end(std::size_t whole, std::uint64_t planned) const {
+    const std::string read = std::to_string(whole);
+    warn(planned > whole
+             ? "it ends early: " + read + " of its " + std::to_string(planned) +
+                   " pages are whole and are read, " + std::to_string(planned - whole) + " are missing"
+             : "it ends early: its first " + read +
+                   " pages are whole and are read, an unknown number is missing");
+  }
+
+  /// Follows the chain of heads that begins at `at`, to its end or to that of the file.
+  std::vector<FoundPage> chain(std::uint64_t at) {
+    std::vector<FoundPage> found;
+    std::set<std::uint64_t> seen;
+    while (at != 0) {
+      if (!seen.insert(at).second) fail("it is damaged: its pages follow each other in a circle");
+      is_first_ = found.empty();
+      try {
+        found.push_back(page(at));
+      } catch (const CutOff&) {
+        if (found.empty()) throw;
+        chain_is_cut_ = true, link_ = at;
+        return found;
+      }
+    }
+    if (found.empty()) fail("it holds no page");
+    return found;
   }
 
   std::vector<std::uint8_t> bytes(std::uint64_t at, std::uint64_t count) {
-    if (at > size_ || count > size_ - at) fail("it is cut off");
+    if (at > size_ || count > size_ - at) fail_cut();
     std::vector<std::uint8_t> found(count);
     in_.clear();
     in_.seekg(static_cast<std::streamoff>(at));
@@ -111,23 +160,24 @@ class TiffReader {
   std::uint64_t number_at(std::uint64_t at, std::uint64_t count) { return number(bytes(at, count)); }
 
   /// Reads the page at `at` and sets `at` to the next one, 0 after the last.
-  TiffPage page(std::uint64_t& at) {
+  FoundPage page(std::uint64_t& at) {
     const std::uint64_t count_bytes = big_ ? 8 : 2, entry_bytes = big_ ? 20 : 12, next_bytes = big_ ? 8 : 4;
     const std::uint64_t count = number_at(at, count_bytes);
-    if (count > size_ / entry_bytes) fail("it is cut off");
+    if (count > size_ / entry_bytes) fail_cut();
     const std::uint64_t begin = at + count_bytes;
     const auto table = bytes(begin, count * entry_bytes);
     TiffPage page;
-    page.little_endian = little_;
+    page.little_endian = little_, page.head = at, page.photometric = kNone;
     std::vector<std::uint64_t> offsets, sizes;
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto head = std::span(table).subspan(i * entry_bytes, entry_bytes);
       take(entry(head, begin + i * entry_bytes), page, offsets, sizes);
     }
-    check(page, offsets, sizes);
+    if (page.photometric == kNone) page.photometric = page.samples - page.extra.size() >= 3 ? 2 : 1;
     if (!offsets.empty()) page.offset = offsets.front();
+    const bool is_whole = check(page, offsets, sizes);
     at = number_at(begin + count * entry_bytes, next_bytes);
-    return page;
+    return {std::move(page), is_whole};
   }
 
   Entry entry(std::span<const std::uint8_t> head, std::uint64_t at) {
@@ -135,7 +185,7 @@ class TiffReader {
     Entry found{number(head.subspan(0, 2)), number(head.subspan(2, 2)), number(head.subspan(4, count_bytes)),
                 at + 4 + count_bytes};
     const std::uint64_t each = type_bytes(found.type);
-    if (each > 0 && found.count > size_ / each) fail("it is cut off");
+    if (each > 0 && found.count > size_ / each) fail_cut();
     if (each * found.count > count_bytes) found.at = number_at(found.at, count_bytes);  // they lie elsewhere
     return found;
   }
@@ -144,6 +194,7 @@ class TiffReader {
     const std::uint64_t each = type_bytes(entry.type);
     if (each == 0 || entry.count == 0)
       fail("it is damaged: tag " + std::to_string(entry.tag) + " has no number");
+    if (entry.at > size_ || each * entry.count > size_ - entry.at) fail_cut();
     return number_at(entry.at, each);
   }
 
@@ -177,44 +228,71 @@ class TiffReader {
       std::uint64_t tag;
       std::uint64_t TiffPage::*value;
     };
-    constexpr std::array<Field, 7> kFields{{{kSubfile, &TiffPage::subfile},
-                                            {kWidth, &TiffPage::width},
-                                            {kHeight, &TiffPage::height},
-                                            {kBits, &TiffPage::bits},
-                                            {kCompression, &TiffPage::compression},
-                                            {kSamples, &TiffPage::samples},
-                                            {kFormat, &TiffPage::format}}};
+    constexpr std::array<Field, 10> kFields{{{kSubfile, &TiffPage::subfile},
+                                             {kWidth, &TiffPage::width},
+                                             {kHeight, &TiffPage::height},
+                                             {kBits, &TiffPage::bits},
+                                             {kCompression, &TiffPage::compression},
+                                             {kPhotometric, &TiffPage::photometric},
+                                             {kOrientation, &TiffPage::orientation},
+                                             {kSamples, &TiffPage::samples},
+                                             {kPlanes, &TiffPage::planes},
+                                             {kFormat, &TiffPage::format}}};
     for (const Field& field : kFields)
       if (entry.tag == field.tag) page.*field.value = first_value(entry);
     if (entry.tag == kStripOffsets || entry.tag == kTileOffsets) offsets = values(entry);
     if (entry.tag == kStripBytes || entry.tag == kTileBytes) sizes = values(entry);
+    if (entry.tag == kExtra) page.extra = values(entry);
+    if (entry.tag == kStack) page.stacked = entry.count;
     if (entry.tag == kDescription && is_first_) page.description = text(entry);
     if (entry.tag == kResolutionX) page.pixels_a_unit = ratio(entry);
     if (entry.tag == kResolutionY && page.pixels_a_unit > 0)
       if (const double down = ratio(entry); down > 0) page.aspect = down / page.pixels_a_unit;
   }
 
-  /// ImageJ writes one head and then the pixels of all pages, where they take more than 4 GB or are saved
-  /// fast.
-  void add_raw_pages(std::vector<TiffPage>& pages) const {
+  /// Lists the pictures behind the first page that have no heads: of a MetaMorph stack; of ImageJ's large
+  /// stacks; where the file ends before the heads, which some programs write last.
+  void add_raw_pages(std::vector<TiffPage>& pages) {
     const TiffPage first = pages.front();
-    constexpr std::string_view kMark = "\nimages=";
-    const auto at = first.description.find(kMark);
-    if (pages.size() != 1 || !first.description.starts_with("ImageJ=") || at == std::string::npos) return;
-    const std::uint64_t images = std::strtoull(first.description.c_str() + at + kMark.size(), nullptr, 10);
+    const bool is_stack = first.stacked > 1;
+    const std::uint64_t images = is_stack ? first.stacked : pages_by_head(first);
+    if (images < 2) return;
+    if (is_stack && first.compression != 1)
+      fail("it is a MetaMorph stack of " + std::to_string(images) +
+           " compressed pictures; read are stacks without compression");
     const std::uint64_t each = first.width * first.height * first.samples * first.bits / 8;
-    if (images < 2 || first.compression != 1 || first.bits % 8 != 0) return;
-    if (each == 0 || images > (size_ - first.offset) / each) fail("it is cut off");
+    if (first.compression != 1 || first.bits % 8 != 0 || first.stored_bytes != each) return;
+    const bool may_lack_heads = is_stack || !first.description.starts_with('<');  // OME: of several files
+    if (link_ == 0 ? !may_lack_heads : link_ < first.offset || (link_ - first.offset) / each < images) return;
+    const std::uint64_t whole = std::min(images, (size_ - first.offset) / each);
+    chain_is_cut_ = whole < images;
     pages.clear();
-    for (std::uint64_t i = 0; i < images; ++i) {
+    for (std::uint64_t i = 0; i < whole; ++i) {
       pages.push_back(first);
       TiffPage& page = pages.back();
-      page.index = static_cast<int>(i), page.offset += i * each, page.stored_bytes = each, page.raw = true;
+      page.offset += i * each, page.raw = true;
       if (i > 0) page.description.clear();
     }
   }
 
-  void check(TiffPage& page, const std::vector<std::uint64_t>& offsets,
+  /// A short stack that was written without saying what it is looks like one picture in colour, whose planes
+  /// the head lists as pages.
+  void spread_planes(std::vector<TiffPage>& pages) const {
+    const TiffPage first = pages.front();
+    if (pages.size() != 1 || first.planes != 2 || first.samples < 2 || first.photometric != 2) return;
+    const std::string planes = "its " + std::to_string(first.samples) + " separate planes of " +
+                               std::to_string(first.bits) + " bits";
+    if (!lists_planes(first)) return warn(planes + " are taken as the colours of one picture");
+    warn(planes + " are listed as pages by its head; they are read as pages, not as colours");
+    pages.assign(first.samples, first);
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+      pages[i].sample = static_cast<int>(i);
+      if (i > 0) pages[i].description.clear();
+    }
+  }
+
+  /// Returns whether all pixels are inside the file.
+  bool check(TiffPage& page, const std::vector<std::uint64_t>& offsets,
              const std::vector<std::uint64_t>& sizes) const {
     constexpr std::uint64_t kMost = std::uint64_t{1} << 30;  // px; OpenCV takes no more
     if (page.width == 0 || page.height == 0 || page.width > kMost || page.height > kMost / page.width)
@@ -225,19 +303,23 @@ class TiffReader {
     if (offsets.empty() && page.is_picture()) fail("it is damaged: a page has no pixels");
     for (std::size_t i = 0; i < offsets.size(); ++i) {
       const std::uint64_t bytes = i < sizes.size() ? sizes[i] : 0;
-      if (offsets[i] > size_ || bytes > size_ - offsets[i]) fail("it is cut off");
+      if (offsets[i] > size_ || bytes > size_ - offsets[i]) return false;
       page.stored_bytes += bytes;
     }
     const std::uint64_t row = (page.width * page.bits * page.samples + 7) / 8;
     if (page.compression == 1 && sizes.size() == offsets.size() && page.stored_bytes / row < page.height &&
         page.is_picture())
       fail("it is cut off: a page has fewer bytes than pixels");
+    return true;
   }
 
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+
   fs::path path_;
+  const core::Warn& warn_;
   std::ifstream in_;
-  std::uint64_t size_ = 0;
-  bool little_ = true, big_ = false, is_first_ = true;
+  std::uint64_t size_ = 0, link_ = 0;  ///< link_: to a head behind the file's end
+  bool little_ = true, big_ = false, is_first_ = true, chain_is_cut_ = false;
 };
 
 }  // namespace
@@ -251,8 +333,8 @@ bool is_tiff(const fs::path& path) {
   return text == "II*\0"sv || text == "MM\0*"sv || text == "II+\0"sv || text == "MM\0+"sv;
 }
 
-std::vector<TiffPage> read_tiff_pages(const fs::path& path) {
-  return TiffReader(path).pages();
+std::vector<TiffPage> read_tiff_pages(const fs::path& path, const core::Warn& warn) {
+  return TiffReader(path, warn).pages();
 }
 
 }  // namespace emberfold::io

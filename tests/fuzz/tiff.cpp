@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The heads, axes and bare pages of a TIFF stack, which is read from a file.
+// The heads, axes and pages of a TIFF stack, which is read from a file.
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "core/io/tiff/axes.hpp"
-#include "core/io/tiff/raw_page.hpp"
+#include "core/io/tiff/page_reader.hpp"
 #include "core/io/tiff_pages.hpp"
 #include "tests/fuzz/check.hpp"
 
@@ -30,13 +30,9 @@ struct TemporaryFile {
 };
 
 void check_page(const std::filesystem::path& path, const io::TiffPage& page) {
-  if (!page.raw || page.width > kMostPixels || page.height > kMostPixels ||
-      page.width * page.height > kMostPixels)
-    return;
-  const cv::Mat read = io::read_raw_page(path, page);
-  if (!read.empty() &&
-      (read.cols != static_cast<int>(page.width) || read.rows != static_cast<int>(page.height)))
-    fuzz::broken("a page of another size than its head tells");
+  if (page.width > kMostPixels || page.height > kMostPixels || page.width * page.height > kMostPixels) return;
+  const cv::Mat read = io::PageReader(path).read(page);
+  if (read.total() != page.width * page.height) fuzz::broken("a page of another size than its head tells");
 }
 
 void check_axes(const io::TiffAxes& axes, std::size_t pages) {
@@ -56,7 +52,8 @@ FUZZ_TARGET(tiff)(const std::uint8_t* data, std::size_t size) {
   std::ofstream(file.path, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
-    const std::vector<io::TiffPage> pages = io::read_tiff_pages(file.path);
+    const auto check_warning = [](const std::string& text) { fuzz::check_message(text, ""); };
+    const std::vector<io::TiffPage> pages = io::read_picture_pages(file.path, check_warning);
     if (pages.empty()) fuzz::broken("a stack without pages");
     check_axes(io::read_tiff_axes(file.path, pages), pages.size());
     check_page(file.path, pages.front());

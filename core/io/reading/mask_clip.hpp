@@ -7,18 +7,21 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/clip.hpp"
+#include "core/context.hpp"
 #include "core/io/read_options.hpp"
 
 namespace emberfold::io {
 
 /// Reads the mask of a clip, as large as the clip is stored: an image, which counts for every frame, or a
-/// clip of as many frames. A pixel counts where it is brighter than half of the brightest value so far, so
-/// that masks of 0 and 1 do as well as those of 0 and 255.
+/// clip of as many frames. A pixel counts where its value is not 0, so that masks of 0 and 1, of 0 and 255,
+/// and of labels do alike. In files that compression changes (JPEG, videos) it counts above half of the
+/// brightest value so far, unless that value is small enough to be a label.
 class MaskClip {
  public:
   /// `options`: of the clip; the frames are those that it takes. Throws core::IoError where it cannot be
-  /// read, core::InputError where it has another size, or nothing in it counts.
-  MaskClip(const ReadOptions& options, cv::Size size);
+  /// read, core::InputError where it has another size, or nothing in it counts. Warns where its first frame
+  /// holds many values: labels, or a picture that is no mask.
+  MaskClip(const ReadOptions& options, cv::Size size, const core::Warn& warn = {});
   /// Returns the next frame's mask, CV_8U, 255 where structure counts. core::InputError after the last.
   cv::Mat next();
   void rewind();
@@ -27,9 +30,11 @@ class MaskClip {
   std::string name_;
   std::unique_ptr<core::FrameSource> source_;
   cv::Mat only_;  ///< of an image
-  double brightest_ = 0;
+  bool is_lossy_ = false;
+  double brightest_ = 0;  ///< so far, of a lossy file
 
   cv::Mat read();
+  void note_values(const core::Warn& warn);
 };
 
 }  // namespace emberfold::io

@@ -15,6 +15,7 @@
 #include "core/error.hpp"
 #include "core/io/reading/levels.hpp"
 #include "core/io/reading/mask_clip.hpp"
+#include "core/io/reading/missing_pixels.hpp"
 #include "core/io/reading/stabilizer.hpp"
 #include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
@@ -38,10 +39,13 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
     take_levels();
     take_scales();
     stored_ = {info_.width, info_.height};
-    if (!options_.mask.empty()) masks_.emplace(options_, stored_);
+    if (!options_.mask.empty()) masks_.emplace(options_, stored_, warn_);
     take_size();
     start();
-    pending_ = transform(decoder_->next());
+    cv::Mat first = decoder_->next();
+    if (const auto words = outside_levels(first, options_.levels); warn_ && !words.empty())
+      warn_(name_ + ": " + words);
+    pending_ = transform(std::move(first));
     pending_mask_ = mask_;
     if (pending_.empty()) refuse_range();
     ++position_;
@@ -117,11 +121,7 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
            (frames ? std::to_string(*frames) : std::string("fewer")) + " frames (the first is 0)");
   }
 
-  void take_levels() {
-    info_.white = info_.depth == CV_8U ? 255 : levels_.white;
-    if (options_.levels.kind != Levels::Kind::used && info_.depth != CV_8U)
-      info_.white = levels_.white - levels_.black;
-  }
+  void take_levels() { info_.white = info_.depth == CV_8U ? 255 : levels_.white - levels_.black; }
 
   /// Rate and size of pixels, as told or as given.
   void take_scales() {
@@ -172,8 +172,10 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
 
   [[nodiscard]] cv::Mat transform(cv::Mat frame) {
     if (frame.empty()) return frame;
-    frame = apply_levels(frame, options_.levels, levels_);
-    mask_ = masks_ ? masks_->next() : cv::Mat();
+    const cv::Mat finite = levels_.misses ? finite_part(frame) : cv::Mat();
+    frame = apply_levels(frame, levels_);
+    mask_ = masks_ ? masks_->next() : finite;
+    if (masks_ && !finite.empty()) mask_ = cv::Mat(mask_ & finite);
     if (options_.stabilize != Stabilize::none) frame = stabilized(frame);
     if (const auto& region = options_.region) {
       const cv::Rect part(region->x, region->y, region->width, region->height);
@@ -188,6 +190,12 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
     if (options_.grey) frame = to_grey(frame);
     if (!mask_.empty()) mask_ = scaled_mask();
     return scaled(frame);
+  }
+
+  /// Fills what is no finite number; returns where the frame was finite, everywhere if it was whole.
+  static cv::Mat finite_part(cv::Mat& frame) {
+    const cv::Mat finite = fill_missing(frame);
+    return finite.empty() ? cv::Mat(frame.size(), CV_8U, cv::Scalar(255)) : finite;
   }
 
   /// Takes the motion of the picture out. What lies outside of the frame does not count then.

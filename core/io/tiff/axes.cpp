@@ -19,6 +19,15 @@ std::optional<double> find(std::string_view unit, const auto& known) {
   return std::nullopt;
 }
 
+/// Who wrote a description.
+enum class Kind { none, imagej, ome, shaped };
+
+Kind kind_of(const std::string& text) {
+  if (text.starts_with("ImageJ=")) return Kind::imagej;
+  if (text.find("<OME") != std::string::npos || text.find(":OME ") != std::string::npos) return Kind::ome;
+  return text.starts_with('{') ? Kind::shaped : Kind::none;
+}
+
 }  // namespace
 
 std::optional<double> um_of(std::string_view unit) {
@@ -72,11 +81,31 @@ TiffAxes plain_axes(const std::vector<TiffPage>& pages) {
 
 TiffAxes read_tiff_axes(const std::filesystem::path& path, const std::vector<TiffPage>& pages) {
   if (pages.empty()) return {};
-  const std::string& text = pages.front().description;
-  if (text.starts_with("ImageJ=")) return read_imagej_axes(pages);
-  if (text.find("<OME") != std::string::npos || text.find(":OME ") != std::string::npos)
-    return read_ome_axes(path, pages);
+  switch (kind_of(pages.front().description)) {
+    case Kind::imagej:
+      return read_imagej_axes(path, pages);
+    case Kind::ome:
+      return read_ome_axes(path, pages);
+    case Kind::shaped:
+      return read_shaped_axes(path, pages);
+    case Kind::none:
+      break;
+  }
   return plain_axes(pages);
+}
+
+std::uint64_t pages_by_head(const TiffPage& first) {
+  switch (kind_of(first.description)) {
+    case Kind::imagej:
+      return pages_by_imagej(first);
+    case Kind::ome:
+      return pages_by_ome(first);
+    case Kind::shaped:
+      return pages_by_shape(first);
+    case Kind::none:
+      break;
+  }
+  return 0;
 }
 
 }  // namespace emberfold::io

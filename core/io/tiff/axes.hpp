@@ -30,14 +30,38 @@ struct TiffAxes {
   }
 };
 
-/// Reads the axes that OME-XML or ImageJ left in the first page's description; without them, or where they
-/// do not fit the number of pages (a doubt then), every page is a frame. Throws core::IoError that names the
-/// file where its planes lie in other files or are missing between others.
+/// Reads the axes that OME-XML, ImageJ or tifffile left in the first page's description; without them, or
+/// where they do not fit the number of pages (a doubt then), every page is a frame. Throws core::IoError that
+/// names the file where its planes are in other files or are missing between others, or where an axis is
+/// neither time, channel nor slice.
 TiffAxes read_tiff_axes(const std::filesystem::path& path, const std::vector<TiffPage>& pages);
 
 /// The same from one kind of description, which must be of it.
-TiffAxes read_imagej_axes(const std::vector<TiffPage>& pages);
+TiffAxes read_imagej_axes(const std::filesystem::path& path, const std::vector<TiffPage>& pages);
 TiffAxes read_ome_axes(const std::filesystem::path& path, const std::vector<TiffPage>& pages);
+TiffAxes read_shaped_axes(const std::filesystem::path& path, const std::vector<TiffPage>& pages);
+
+/// Returns the number of pages that the description of the first page plans; 0: unknown.
+std::uint64_t pages_by_head(const TiffPage& first);
+/// The same from one kind of description.
+std::uint64_t pages_by_imagej(const TiffPage& first);
+std::uint64_t pages_by_ome(const TiffPage& first);
+std::uint64_t pages_by_shape(const TiffPage& first);
+
+/// Returns whether tifffile's description has the planes of this only page as an axis of pages.
+bool lists_planes(const TiffPage& page);
+
+/// A run of pages and the plane that it begins with.
+struct PageRun {
+  std::optional<int> page, planes;  ///< none: the first; all, or one where `page` is given
+  int channel = 0, slice = 0, frame = 0;
+};
+
+/// Fills `axes.planes` with the pages of the runs; `order`: of C, Z and T, the fastest first. Leaves out
+/// frames at the end that are not whole (a doubt). Throws core::IoError where a plane between others is
+/// missing.
+void place_pages(const std::filesystem::path& path, const std::string& order,
+                 const std::vector<PageRun>& runs, std::size_t pages, TiffAxes& axes);
 
 /// Every page is a frame.
 TiffAxes plain_axes(const std::vector<TiffPage>& pages);

@@ -14,7 +14,6 @@ namespace emberfold::io {
 
 namespace {
 
-constexpr int kMissing = -1;
 constexpr double kUneven = 0.25;  // share of the interval by which frames may come early or late
 
 std::string word(const XmlTag& tag, const std::string& key) {
@@ -34,12 +33,6 @@ std::optional<int> whole(const XmlTag& tag, const std::string& key) {
   if (!value || *value < 0 || *value > 1e9) return std::nullopt;
   return static_cast<int>(*value);
 }
-
-/// Which pages a TiffData element lists.
-struct PageRun {
-  std::optional<int> page, planes;
-  int channel = 0, slice = 0, frame = 0;
-};
 
 /// What of the first image's <Pixels> counts here.
 struct Pixels {
@@ -101,75 +94,6 @@ Pixels read_pixels(const std::string& text) {
   return pixels;
 }
 
-/// Puts pages into the planes of the axes, in the order that the file tells.
-class Placement {
- public:
-  Placement(const std::string& order, TiffAxes& axes) : axes_(axes) {
-    for (const char c : order.substr(2)) {
-      order_.push_back(c);
-      sizes_.push_back(c == 'C' ? axes.channels : c == 'Z' ? axes.slices : axes.frames);
-    }
-    axes_.planes.assign(count(), kMissing);
-  }
-
-  [[nodiscard]] std::size_t count() const {
-    return static_cast<std::size_t>(axes_.channels) * static_cast<std::size_t>(axes_.slices) *
-           static_cast<std::size_t>(axes_.frames);
-  }
-
-  void place(const PageRun& run, std::size_t pages) {
-    const auto first = static_cast<std::size_t>(run.page.value_or(0));
-    const auto planes = static_cast<std::size_t>(run.planes.value_or(run.page ? 1 : static_cast<int>(pages)));
-    std::size_t at = 0, stride = 1;
-    for (std::size_t i = 0; i < order_.size(); ++i) {
-      const int begin = order_[i] == 'C' ? run.channel : order_[i] == 'Z' ? run.slice : run.frame;
-      at += static_cast<std::size_t>(begin) * stride;
-      stride *= static_cast<std::size_t>(sizes_[i]);
-    }
-    for (std::size_t k = 0; k < planes && first + k < pages && at + k < count(); ++k)
-      axes_.planes[plane(at + k)] = static_cast<int>(first + k);
-  }
-
- private:
-  /// From the place in the file's order to that in ours.
-  [[nodiscard]] std::size_t plane(std::size_t at) const {
-    std::size_t channel = 0, slice = 0, frame = 0;
-    for (std::size_t i = 0; i < order_.size(); ++i) {
-      const auto size = static_cast<std::size_t>(sizes_[i]);
-      (order_[i] == 'C' ? channel : order_[i] == 'Z' ? slice : frame) = at % size;
-      at /= size;
-    }
-    const auto slices = static_cast<std::size_t>(axes_.slices),
-               channels = static_cast<std::size_t>(axes_.channels);
-    return (frame * slices + slice) * channels + channel;
-  }
-
-  TiffAxes& axes_;
-  std::string order_;
-  std::vector<int> sizes_;
-};
-
-/// Leaves out frames at the end that were planned but never taken; a gap before others is an error.
-void drop_missing(const std::filesystem::path& path, TiffAxes& axes) {
-  const auto each = static_cast<std::size_t>(axes.slices) * static_cast<std::size_t>(axes.channels);
-  const int planned = axes.frames;
-  const auto last = [&] {
-    return std::find(axes.planes.end() - static_cast<std::ptrdiff_t>(each), axes.planes.end(), kMissing);
-  };
-  while (axes.frames > 1 && last() != axes.planes.end()) {
-    axes.planes.resize(axes.planes.size() - each);
-    --axes.frames;
-  }
-  if (axes.frames < planned)
-    axes.doubts.push_back("only " + std::to_string(axes.frames) + " of the " + std::to_string(planned) +
-                          " frames that its head tells of are there whole");
-  const auto gap = std::ranges::find(axes.planes, kMissing);
-  if (gap != axes.planes.end())
-    throw core::IoError("cannot read " + path.string() + ": a plane of its frame " +
-                        std::to_string(static_cast<std::size_t>(gap - axes.planes.begin()) / each) +
-                        " is missing");
-}
-
 /// The usual interval between frames, from the times of single ones; told where they are uneven.
 void take_times(std::vector<std::pair<int, double>> times, TiffAxes& axes) {
   std::ranges::sort(times);
@@ -187,7 +111,20 @@ void take_times(std::vector<std::pair<int, double>> times, TiffAxes& axes) {
         core::significant_text(steps.back(), 3) + " s apart); they are taken as if they were");
 }
 
+/// Returns the channels that are pages of their own: a page of n samples counts as n channels.
+int page_channels(const Pixels& pixels, const TiffPage& page) {
+  const auto samples = static_cast<int>(std::clamp<std::uint64_t>(page.samples, 1, 4));
+  return std::max(1, pixels.channels % samples == 0 ? pixels.channels / samples : pixels.channels);
+}
+
 }  // namespace
+
+std::uint64_t pages_by_ome(const TiffPage& first) {
+  const Pixels pixels = read_pixels(first.description);
+  if (!pixels.found || pixels.files.size() > 1) return 0;
+  const double planned = double(page_channels(pixels, first)) * pixels.slices * pixels.frames;
+  return planned < 1e9 ? static_cast<std::uint64_t>(planned) : 0;
+}
 
 TiffAxes read_ome_axes(const std::filesystem::path& path, const std::vector<TiffPage>& pages) {
   const Pixels pixels = read_pixels(pages.front().description);
@@ -198,10 +135,7 @@ TiffAxes read_ome_axes(const std::filesystem::path& path, const std::vector<Tiff
   TiffAxes axes = plain_axes(pages);
   if (!pixels.found) return axes;
   const auto in_file = static_cast<std::int64_t>(pages.size());
-  const auto samples = static_cast<int>(std::clamp<std::uint64_t>(pages.front().samples, 1, 4));
-  // A page in colour counts as so many channels there.
-  const int channels =
-      std::max(1, pixels.channels % samples == 0 ? pixels.channels / samples : pixels.channels);
+  const int channels = page_channels(pixels, pages.front());
   const double planned = double(channels) * pixels.slices * pixels.frames;
   if (planned > 4 * static_cast<double>(in_file) + 1e4 ||
       (pixels.runs.empty() && planned < static_cast<double>(in_file))) {
@@ -209,10 +143,8 @@ TiffAxes read_ome_axes(const std::filesystem::path& path, const std::vector<Tiff
         "its head tells of another number of planes than it has pages; every page is taken as a frame");
   } else {
     axes.channels = channels, axes.slices = pixels.slices, axes.frames = pixels.frames;
-    Placement placement(pixels.order, axes);
-    if (pixels.runs.empty()) placement.place({}, pages.size());
-    for (const PageRun& run : pixels.runs) placement.place(run, pages.size());
-    drop_missing(path, axes);
+    place_pages(path, pixels.order.substr(2), pixels.runs.empty() ? std::vector<PageRun>(1) : pixels.runs,
+                pages.size(), axes);
     axes.slices_are_frames = axes.frames == 1 && axes.slices > 1 && pixels.frames == 1;
   }
   axes.pixel_um = pixels.pixel_um;

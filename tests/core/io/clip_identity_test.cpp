@@ -39,6 +39,24 @@ TEST_CASE("a clip's identity changes with its files' names, sizes and times, not
   fs::last_write_time(temp / "b/3.png", fs::file_time_type(std::chrono::seconds(1001)));
   CHECK(identity("b") != longer);
 
+  // replaced in place: equal size and time, other content
+  const std::string before = identity("b");
+  const auto time = fs::last_write_time(temp / "b/3.png");
+  write_image(temp / "b/3.png", "edited image");
+  fs::last_write_time(temp / "b/3.png", time);
+  CHECK(identity("b") != before);
+  std::string large(std::size_t{1} << 20, 'a');
+  write_image(temp / "large.avi", large);
+  const std::string whole = identity("large.avi");
+  for (const std::size_t at : {std::size_t{0}, large.size() / 2, large.size() - 1}) {
+    std::string changed = large;
+    changed[at] = 'b';
+    write_image(temp / "large.avi", changed);
+    CHECK(identity("large.avi") != whole);
+  }
+  write_image(temp / "large.avi", large);
+  CHECK(identity("large.avi") == whole);
+
   write_image(temp / "clip.avi");
   const std::string clip = identity("clip.avi");
   CHECK(!clip.empty());

@@ -119,7 +119,21 @@ TEST_CASE("an ImageJ head that does not fit the pages is told, and every page is
   const auto found = read(temp / "odd.tif");
   CHECK(found.clip.frames.size() == 5);
   CHECK(found.mentions("2 channels, 1 slices and 4 frames") == 1);
-  CHECK(found.clip.info.fps == Approx(10));
+  CHECK(found.mentions("fps=10") == 1);
+}
+
+TEST_CASE("ImageJ's playback speed is no frame rate, and dots an inch are no scale") {
+  const TempFolder temp;
+  write_tiff(temp / "fps.tif", hyperstack(5, 1, 1), {imagej(5, "frames=5\nfps=7.0\nunit=inch\n"), 72, 72});
+  const auto found = read(temp / "fps.tif");
+  CHECK_FALSE(found.clip.info.fps_is_known);
+  CHECK_FALSE(found.clip.info.pixel_um.has_value());
+  CHECK(found.mentions("playback speed (fps=7)") == 1);
+  CHECK(found.mentions("72 pixels an inch") == 1);
+  write_tiff(temp / "both.tif", hyperstack(5, 1, 1), {imagej(5, "frames=5\nfps=7.0\nfinterval=30\n"), 1, 1});
+  const auto both = read(temp / "both.tif");
+  CHECK(both.clip.info.fps == Approx(1.0 / 30));
+  CHECK(both.mentions("playback") == 0);
 }
 
 TEST_CASE("OME stacks are read in any order of their axes") {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/io/tiff_pages.hpp"
+
+namespace emberfold::io {
+
+/// The alpha channel's note, as of other images.
+inline const std::string kAlphaDropped = "its alpha channel is dropped";
+
+/// What the numbers of a page mean, by its head.
+struct SampleMeaning {
+  bool is_colour = false;     ///< red, green and blue
+  bool is_converted = false;  ///< into red, green and blue, by libtiff: CMYK, YCbCr, Lab
+  bool is_inverted = false;   ///< 0 is white
+  int channels = 1;           ///< grey: samples that are channels of their own
+  int depth = CV_8U;          ///< CV_8U (1 to 8 bits), CV_16U (9 to 16) or CV_32F (real, signed, 32 bits)
+  std::vector<std::string> notes = {};  ///< in words that follow the file's name
+};
+
+/// Throws core::IoError (without a prefix) where its values are of a kind that is not read.
+SampleMeaning meaning_of(const TiffPage& page);
+
+/// The samples that make the picture, in its order: blue, green and red, or one.
+std::vector<int> samples_of(const TiffPage& page, const SampleMeaning& meaning);
+
+/// Chooses the sample that is read where samples are channels of their own, or follow red, green and blue;
+/// `channel`: what is asked for. Warns where the first of several is chosen without being asked for. Throws
+/// core::InputError where there is no such channel.
+void choose_sample(const std::filesystem::path& path, TiffPage& page, std::optional<int> channel,
+                   const core::Warn& warn);
+
+/// Turns stored values into a picture: white is bright, the first row is the top one.
+cv::Mat upright_picture(cv::Mat stored, const TiffPage& page, const SampleMeaning& meaning);
+
+}  // namespace emberfold::io
