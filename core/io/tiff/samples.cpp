@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <opencv2/core.hpp>
 #include <tiffio.h>
 
 #include "core/error.hpp"
@@ -29,9 +30,9 @@ void note_extra(const TiffPage& page, std::size_t colours, SampleMeaning& meanin
   const auto is_alpha = [](std::uint64_t kind) {
     return kind == EXTRASAMPLE_ASSOCALPHA || kind == EXTRASAMPLE_UNASSALPHA;
   };
-  const bool is_told = !page.extra.empty() || colours < 3 || page.samples != 4;  // a fourth is alpha
+  const bool is_listed = !page.extra.empty() || colours < 3 || page.samples != 4;  // a fourth is alpha
   const std::size_t alpha =
-      is_told ? static_cast<std::size_t>(std::ranges::count_if(page.extra, is_alpha)) : 1;
+      is_listed ? static_cast<std::size_t>(std::ranges::count_if(page.extra, is_alpha)) : 1;
   const std::size_t extra = page.samples > colours ? page.samples - colours : 0;
   if (alpha > 0) meaning.notes.push_back(kAlphaDropped);
   if (!meaning.is_colour)

@@ -186,9 +186,9 @@ TEST_CASE("planes of one page that its head lists as pages are frames") {
   const auto found = read_warned(path);
   expect_frames(found.clip, colours(pages));
   CHECK(found.mentions("3 separate planes of 16 bits are taken as the colours") == 1);
-  TiffHead untold = head_of(2, true);
-  untold.without_photometric = true;
-  write_tiff(path, pages, untold);
+  TiffHead untagged = head_of(2, true);
+  untagged.without_photometric = true;
+  write_tiff(path, pages, untagged);
   CHECK(read_warned(path).mentions("separate planes") == 1);
 }
 
