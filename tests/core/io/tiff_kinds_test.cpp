@@ -341,6 +341,16 @@ TEST_CASE("of a TIFF that ends early the whole frames are read, and the missing 
     CHECK(found.mentions("5 of its 8 pages are whole and are read, 3 are missing") == 1);
     CHECK(found.mentions("only 2 of the 4 frames") == 1);
   }
+  TiffHead head;
+  head.description = "long enough not to fit into its entry";
+  head.heads_are_lost = head.description_is_lost = true;
+  write_tiff(path, numbered(4), head);
+  const std::string bytes = bytes_of(path);
+  std::ofstream(path, std::ios::binary) << bytes.substr(0, bytes.size() - page);
+  const auto lost = read_warned(path);
+  CHECK(values(lost.clip) == std::vector{1000, 1001, 1002});
+  CHECK(lost.mentions("3 of its 4 pages are whole") == 1);
+  CHECK(lost.mentions("its description is cut off") == 1);
   const auto found = cut(shaped("2, 4, 5, 7", "CTYX"), 8, 3 * page);
   CHECK(values(found.clip) == std::vector{1000});
   CHECK(found.mentions("only 1 of the 4 frames") == 1);
