@@ -100,11 +100,13 @@ void choose_sample(const std::filesystem::path& path, TiffPage& page, std::optio
   page.sample = channel.value_or(0);
 }
 
+double white_of(const TiffPage& page, const SampleMeaning& meaning) {
+  if (page.white) return *page.white;
+  return meaning.depth == CV_8U ? 255 : meaning.depth == CV_32F ? 1 : (1 << page.bits) - 1;
+}
+
 cv::Mat upright_picture(cv::Mat stored, const TiffPage& page, const SampleMeaning& meaning) {
-  if (meaning.is_inverted) {
-    const double white = meaning.depth == CV_8U ? 255 : meaning.depth == CV_32F ? 1 : (1 << page.bits) - 1;
-    cv::subtract(cv::Scalar::all(white), stored, stored);
-  }
+  if (meaning.is_inverted) cv::subtract(cv::Scalar::all(white_of(page, meaning)), stored, stored);
   const std::uint64_t turned = page.orientation;
   if (turned >= ORIENTATION_LEFTTOP && turned <= ORIENTATION_LEFTBOT) cv::transpose(stored.clone(), stored);
   const bool mirrored = turned == ORIENTATION_TOPRIGHT || turned == ORIENTATION_BOTRIGHT ||

@@ -140,6 +140,12 @@ TEST_CASE("where 0 is white, values are inverted at every depth, with one note")
         expect_frames(found.clip, bright);
         CHECK(found.mentions("0 is white") == 1);
       }
+  // a part of the bits
+  for (const int depth : {CV_16U, CV_32F}) {
+    const cv::Mat stored(5, 7, depth, cv::Scalar(3000));
+    write_tiff(path, {stored, stored}, head_of(0));
+    expect_frames(read_warned(path).clip, {cv::Mat(4095 - stored), cv::Mat(4095 - stored)});
+  }
 }
 
 TEST_CASE("samples in separate planes are those of pixels stored together") {
