@@ -29,21 +29,22 @@ class FrameDecoder : public core::FrameSource {
 std::unique_ptr<FrameDecoder> decode_video(const std::filesystem::path& path, const ReadOptions& options,
                                            const core::Warn& warn);
 
-/// Opens images, one a frame, of 8 bits, 16 bits or floats (TIFF). Alpha is dropped, and of a TIFF with
-/// several pages the first is taken, each with one warning; numbers that are missing in the files' names are
-/// told, too. The first file tells size, depth, channels and the size of a pixel; grey files in a colour clip
-/// are spread to three channels. Throws core::IoError, naming the file: unreadable, cut off, of another size
-/// or depth than the first, colour in a grey clip (unless options.grey, which turns every file to luma);
-/// core::InputError where a slice is asked for. Floats may be no finite numbers.
+/// Opens images, one a frame, of 8 bits, 16 bits or floats (TIFF). Alpha is dropped, of a TIFF with several
+/// pages the first is taken, and of several grey samples a pixel the first or that of options.channel, each
+/// with one warning; so are numbers that are missing in the files' names. The first file tells size, depth,
+/// channels and the size of a pixel; grey files in a colour clip are spread to three channels. Throws
+/// core::IoError, naming the file: unreadable, cut off, of another size or depth than the first, colour in a
+/// grey clip (unless options.grey, which turns every file to luma). Floats may be no finite numbers;
+/// core::InputError where a slice is asked for.
 std::unique_ptr<FrameDecoder> decode_images(std::vector<std::filesystem::path> files,
                                             const ReadOptions& options, const core::Warn& warn);
 
-/// Opens a TIFF: its pages, one a frame, or those of the channel and slice that are asked for where ImageJ or
-/// OME tell of them; a file of one page of whole numbers as decode_images does. What was chosen without being
-/// asked for, and what is odd in the metadata, is told. Smaller copies and masks among the pages are passed
-/// over, with a warning. Pages have 1 or 3 channels (alpha is dropped, with a warning) of 8 bits, 16 bits or
-/// floats (CV_32F; doubles are converted). Some 128 MiB of pages are kept. Throws core::IoError, naming the
-/// file and page: cut off, damaged, of another size or kind than the first;
+/// Opens a TIFF: its pages, one a frame, or those of the channel and slice that are asked for where ImageJ,
+/// OME or tifffile describe them, or pixels have several samples. Warns of what was chosen without being
+/// asked for, of what is odd in the metadata, of values that are no plain brightness (docs/formats.md), of
+/// smaller copies and masks, which are passed over, and of frames that are missing at the end. Pages have 1
+/// or 3 channels of 8 bits, 16 bits or floats (CV_32F; doubles are converted). Throws core::IoError, naming
+/// the file and page: no whole page, damaged, of another size or kind than the first;
 /// core::InputError for a channel or slice that it does not have.
 std::unique_ptr<FrameDecoder> decode_tiff(const std::filesystem::path& path, const ReadOptions& options,
                                           const core::Warn& warn);

@@ -91,10 +91,10 @@ class TiffReader {
     std::vector<TiffPage> pages;
     for (auto it = found.begin(); it != broken; ++it) pages.push_back(std::move(it->page));
     if (pages.empty()) fail_cut();
-    const std::uint64_t planned =
-        std::max({std::uint64_t{found.size()}, pages.front().stacked, pages_by_head(pages.front())});
+    const std::uint64_t planned = std::max(std::uint64_t{found.size()}, planned_pages(pages.front()));
     if (found.size() == 1) add_raw_pages(pages);
     if (broken != found.end() || chain_is_cut_) warn_of_end(pages.size(), planned);
+    if (description_is_lost_) warn("its description is cut off; every page is taken as a frame");
     spread_planes(pages);
     for (std::size_t i = 0; i < pages.size(); ++i) pages[i].index = static_cast<int>(i);
     return pages;
@@ -216,7 +216,8 @@ class TiffReader {
   }
 
   std::string text(const Entry& entry) {
-    if (entry.type != kText) return {};
+    description_is_lost_ = entry.at > size_ || entry.count > size_ - entry.at;
+    if (entry.type != kText || description_is_lost_) return {};
     const auto all = bytes(entry.at, entry.count);
     const std::string found(all.begin(), all.end());
     return found.substr(0, found.find('\0'));
@@ -250,12 +251,21 @@ class TiffReader {
       if (const double down = ratio(entry); down > 0) page.aspect = down / page.pixels_a_unit;
   }
 
+  /// Returns the number of pages that the first head plans, by its description or by the room up to the
+  /// heads that come last; 0: unknown.
+  [[nodiscard]] std::uint64_t planned_pages(const TiffPage& first) const {
+    if (first.stacked > 1) return first.stacked;
+    const std::uint64_t described = pages_by_head(first);
+    if (described > 0 || !description_is_lost_ || link_ < first.offset) return described;
+    return first.compression == 1 && first.stored_bytes > 0 ? (link_ - first.offset) / first.stored_bytes : 0;
+  }
+
   /// Lists the pictures behind the first page that have no heads: of a MetaMorph stack; of ImageJ's large
   /// stacks; where the file ends before the heads, which some programs write last.
   void add_raw_pages(std::vector<TiffPage>& pages) {
     const TiffPage first = pages.front();
     const bool is_stack = first.stacked > 1;
-    const std::uint64_t images = is_stack ? first.stacked : pages_by_head(first);
+    const std::uint64_t images = planned_pages(first);
     if (images < 2) return;
     if (is_stack && first.compression != 1)
       fail("it is a MetaMorph stack of " + std::to_string(images) +
@@ -319,7 +329,7 @@ class TiffReader {
   const core::Warn& warn_;
   std::ifstream in_;
   std::uint64_t size_ = 0, link_ = 0;  ///< link_: to a head behind the file's end
-  bool little_ = true, big_ = false, is_first_ = true, chain_is_cut_ = false;
+  bool little_ = true, big_ = false, is_first_ = true, chain_is_cut_ = false, description_is_lost_ = false;
 };
 
 }  // namespace

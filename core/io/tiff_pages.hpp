@@ -28,6 +28,7 @@ struct TiffPage {
   std::uint64_t stacked = 1;         ///< pictures of a MetaMorph stack, which has one head
   std::vector<std::uint64_t> extra;  ///< of the last samples: 1, 2: alpha, 0: unknown
   std::optional<int> sample;         ///< the only one to be read; none: all that make the picture
+  std::optional<double> white;       ///< where 0 is white: what becomes 0; none: all that the bits hold, 1
   bool little_endian = true;         ///< order of the bytes of its values
   bool raw = false;                  ///< it has no head of its own: its pixels are at `offset`, row after row
   std::string description;           ///< of the first page alone

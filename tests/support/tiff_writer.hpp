@@ -26,6 +26,7 @@ struct TiffHead {
   std::vector<std::uint64_t> extra = {};  ///< of the last samples: 0 unknown, 1, 2 alpha
   std::uint64_t stacked = 0;              ///< pictures of a MetaMorph stack
   bool without_photometric = false;
+  bool description_is_lost = false;  ///< with heads_are_lost: it came last, too
   bool heads_are_lost =
       false;  ///< one head, then all pixels; the heads of the others came last and are cut off
 };
@@ -55,6 +56,7 @@ class TiffWriter {
     const std::size_t link = put_head(pages_[0], size, true, 4);
     for (const auto& page : pages_) put_pixels(page);
     put_at(link, text_.size() + text_.size() % 2, 4);
+    if (head_.description_is_lost) put_at(text_.find("\x0e\x01\x02") + 8, text_.size() + 99, 4);
     return text_;
   }
   void put(std::uint64_t value, int count) {

@@ -254,10 +254,10 @@ std::vector<TiffPage> read_picture_pages(const fs::path& path, const core::Warn&
   if (pages.size() < in_file)
     tell(std::to_string(in_file - pages.size()) +
          " of its pages are smaller copies or masks, and are passed over");
-  std::set<std::string> told;
+  std::set<std::string> printed;
   for (const TiffPage& page : pages) try {
       for (const auto& note : meaning_of(page).notes)
-        if (told.insert(note).second) tell(note);
+        if (printed.insert(note).second) tell(note);
     } catch (const core::IoError& error) {
       throw core::IoError("cannot read " + path.string() + ": " + error.what());
     }

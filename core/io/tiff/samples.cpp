@@ -5,6 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include <opencv2/core.hpp>
 #include <tiffio.h>
 
 #include "core/error.hpp"
@@ -35,9 +36,9 @@ void note_extra(const TiffPage& page, std::size_t colours, SampleMeaning& meanin
   const auto is_alpha = [](std::uint64_t kind) {
     return kind == EXTRASAMPLE_ASSOCALPHA || kind == EXTRASAMPLE_UNASSALPHA;
   };
-  const bool is_told = !page.extra.empty() || colours < 3 || page.samples != 4;  // a fourth is alpha
+  const bool is_listed = !page.extra.empty() || colours < 3 || page.samples != 4;  // a fourth is alpha
   const std::size_t alpha =
-      is_told ? static_cast<std::size_t>(std::ranges::count_if(page.extra, is_alpha)) : 1;
+      is_listed ? static_cast<std::size_t>(std::ranges::count_if(page.extra, is_alpha)) : 1;
   const std::size_t extra = page.samples > colours ? page.samples - colours : 0;
   if (alpha > 0) meaning.notes.push_back(kAlphaDropped);
   if (!meaning.is_colour)
@@ -105,15 +106,16 @@ void choose_sample(const std::filesystem::path& path, TiffPage& page, std::optio
   page.sample = channel.value_or(0);
 }
 
+double white_of(const TiffPage& page, const SampleMeaning& meaning) {
+  if (page.white) return *page.white;
+  if (meaning.depth == CV_8U) return 255;
+  if (page.format == SAMPLEFORMAT_IEEEFP) return 1;
+  if (page.format == SAMPLEFORMAT_INT) return -1;
+  return std::ldexp(1., static_cast<int>(page.bits)) - 1;
+}
+
 cv::Mat upright_picture(cv::Mat stored, const TiffPage& page, const SampleMeaning& meaning) {
-  if (meaning.is_inverted) {
-    const double largest = std::ldexp(1., static_cast<int>(page.bits)) - 1;
-    const double white = meaning.depth == CV_8U               ? 255
-                         : page.format == SAMPLEFORMAT_IEEEFP ? 1
-                         : page.format == SAMPLEFORMAT_INT    ? -1
-                                                              : largest;
-    cv::subtract(cv::Scalar::all(white), stored, stored);
-  }
+  if (meaning.is_inverted) cv::subtract(cv::Scalar::all(white_of(page, meaning)), stored, stored);
   const std::uint64_t turned = page.orientation;
   if (turned >= ORIENTATION_LEFTTOP && turned <= ORIENTATION_LEFTBOT) cv::transpose(stored.clone(), stored);
   const bool mirrored = turned == ORIENTATION_TOPRIGHT || turned == ORIENTATION_BOTRIGHT ||

@@ -35,6 +35,9 @@ std::vector<int> samples_of(const TiffPage& page, const SampleMeaning& meaning);
 void choose_sample(const std::filesystem::path& path, TiffPage& page, std::optional<int> channel,
                    const core::Warn& warn);
 
+/// Returns the value that becomes 0 where 0 is white.
+double white_of(const TiffPage& page, const SampleMeaning& meaning);
+
 /// Turns stored values into a picture: white is bright, the first row is the top one.
 cv::Mat upright_picture(cv::Mat stored, const TiffPage& page, const SampleMeaning& meaning);
 

@@ -131,7 +131,7 @@ TiffAxes read_shaped_axes(const std::filesystem::path& path, const std::vector<T
   const std::uint64_t planned = product(above);
   const bool named = !above.empty() && above.front().name != '?';
   if (above.empty() || (above.size() == 1 && !named)) return plain;
-  const std::string doubt = "its head tells of " + listed(above) + " pages";
+  const std::string doubt = "its head describes " + listed(above) + " pages";
   if (!named) {
     plain.doubts.push_back(doubt + " without naming these axes; every page is taken as a frame");
     return plain;

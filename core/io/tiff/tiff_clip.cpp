@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -161,6 +162,25 @@ class PlaneChoice {
   int channels_, channel_ = 0, first_ = 0, last_ = 1;
 };
 
+/// Inverts values about the largest number in as many bits as the planes use: a camera of 12 bits stays one.
+void choose_white(const fs::path& path, std::vector<TiffPage>& pages,
+                  const std::vector<std::vector<int>>& planes) {
+  const SampleMeaning meaning = meaning_of(pages.front());
+  if (!meaning.is_inverted || meaning.depth == CV_8U) return;
+  PageReader reader(path);
+  double largest = 0;
+  for (const auto& frame : planes)
+    for (const int plane : frame) {
+      const TiffPage& page = pages[static_cast<std::size_t>(plane)];
+      double least = 0;
+      cv::minMaxLoc(reader.read(page), &least);
+      largest = std::max(largest, white_of(page, meaning) - least);
+    }
+  double white = 255;
+  while (white < largest) white = 2 * white + 1;
+  for (TiffPage& page : pages) page.white = meaning.depth == CV_32F && largest <= 1 ? 1 : white;
+}
+
 }  // namespace
 
 std::unique_ptr<FrameDecoder> decode_tiff(const fs::path& path, const ReadOptions& options,
@@ -171,6 +191,7 @@ std::unique_ptr<FrameDecoder> decode_tiff(const fs::path& path, const ReadOption
     for (const auto& doubt : axes.doubts) warn(path.string() + ": " + doubt);
   PlaneChoice choice(path, axes, meaning_of(pages.front()).channels, options, warn);
   for (TiffPage& page : pages) choose_sample(path, page, choice.sample, {});
+  choose_white(path, pages, choice.planes);
   auto clip = std::make_unique<TiffClip>(path, std::move(pages), std::move(choice.planes), options.grey);
   clip->set_scales(axes);
   return clip;

@@ -140,6 +140,12 @@ TEST_CASE("where 0 is white, values are inverted at every depth, with one note")
         expect_frames(found.clip, bright);
         CHECK(found.mentions("0 is white") == 1);
       }
+  // a part of the bits
+  for (const int depth : {CV_16U, CV_32F}) {
+    const cv::Mat stored(5, 7, depth, cv::Scalar(3000));
+    write_tiff(path, {stored, stored}, head_of(0));
+    expect_frames(read_warned(path).clip, {cv::Mat(4095 - stored), cv::Mat(4095 - stored)});
+  }
 }
 
 TEST_CASE("samples in separate planes are those of pixels stored together") {
@@ -186,9 +192,9 @@ TEST_CASE("planes of one page that its head lists as pages are frames") {
   const auto found = read_warned(path);
   expect_frames(found.clip, colours(pages));
   CHECK(found.mentions("3 separate planes of 16 bits are taken as the colours") == 1);
-  TiffHead untold = head_of(2, true);
-  untold.without_photometric = true;
-  write_tiff(path, pages, untold);
+  TiffHead untagged = head_of(2, true);
+  untagged.without_photometric = true;
+  write_tiff(path, pages, untagged);
   CHECK(read_warned(path).mentions("separate planes") == 1);
 }
 
@@ -341,6 +347,16 @@ TEST_CASE("of a TIFF that ends early the whole frames are read, and the missing 
     CHECK(found.mentions("5 of its 8 pages are whole and are read, 3 are missing") == 1);
     CHECK(found.mentions("only 2 of the 4 frames") == 1);
   }
+  TiffHead head;
+  head.description = "long enough not to fit into its entry";
+  head.heads_are_lost = head.description_is_lost = true;
+  write_tiff(path, numbered(4), head);
+  const std::string bytes = bytes_of(path);
+  std::ofstream(path, std::ios::binary) << bytes.substr(0, bytes.size() - page);
+  const auto lost = read_warned(path);
+  CHECK(values(lost.clip) == std::vector{1000, 1001, 1002});
+  CHECK(lost.mentions("3 of its 4 pages are whole") == 1);
+  CHECK(lost.mentions("its description is cut off") == 1);
   const auto found = cut(shaped("2, 4, 5, 7", "CTYX"), 8, 3 * page);
   CHECK(values(found.clip) == std::vector{1000});
   CHECK(found.mentions("only 1 of the 4 frames") == 1);

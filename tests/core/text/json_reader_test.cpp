@@ -14,24 +14,24 @@ using namespace emberfold;
 
 namespace {
 
-std::string refusal(const std::string& text) {
+std::string parse_refusal(const std::string& text) {
   return test::message_of<core::IoError>([&] { core::parse_json(text); });
 }
 
 }  // namespace
 
 TEST_CASE("What is no JSON is refused with the line and the column of its first wrong character") {
-  CHECK(refusal("[1, 2") == "no valid JSON at column 5");
-  CHECK(refusal("[1, x]") == "no valid JSON at column 5");
-  CHECK(refusal("[1,\n  2,\n x]") == "no valid JSON at line 3, column 2");
-  CHECK(refusal("\nx") == "no valid JSON at line 2, column 1");
-  CHECK(refusal("[1]") == "");
+  CHECK(parse_refusal("[1, 2") == "no valid JSON at column 5");
+  CHECK(parse_refusal("[1, x]") == "no valid JSON at column 5");
+  CHECK(parse_refusal("[1,\n  2,\n x]") == "no valid JSON at line 3, column 2");
+  CHECK(parse_refusal("\nx") == "no valid JSON at line 2, column 1");
+  CHECK(parse_refusal("[1]") == "");
 }
 
 TEST_CASE("JSON may be nested 16 deep and no deeper") {
   const auto nested = [](std::size_t deep) { return std::string(deep, '[') + "1" + std::string(deep, ']'); };
-  CHECK(refusal(nested(16)) == "");
-  CHECK(refusal(nested(17)) == "nested more than 16 deep");
+  CHECK(parse_refusal(nested(16)) == "");
+  CHECK(parse_refusal(nested(17)) == "nested more than 16 deep");
 }
 
 TEST_CASE("A quoted text has at most 40 characters, a mark where it had more, and none that is not plain") {
