@@ -14,6 +14,7 @@
 #include "core/error.hpp"
 #include "core/io/files.hpp"
 #include "core/io/image_files.hpp"
+#include "core/io/reading/image_series.hpp"
 
 namespace emberfold::apps {
 
@@ -34,21 +35,38 @@ bool is_hidden(const fs::path& path) {
   return path.filename().string().starts_with('.');
 }
 
-bool holds_images(const fs::path& folder) {
+struct FolderImages {
+  std::vector<std::string> images;  ///< frames of one clip, unless there are stacks
+  std::vector<std::string> stacks;  ///< TIFFs of several pages, each a clip
+};
+
+FolderImages pictures_in(const fs::path& folder) {
+  FolderImages found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (!is_hidden(entry.path()) && io::is_image_name(entry.path())) return true;
-  return false;
+    if (!is_hidden(entry.path()) && io::is_image_name(entry.path()))
+      (io::pages_alike(entry.path()) > 1 ? found.stacks : found.images).push_back(entry.path().string());
+  if (!found.stacks.empty() && !found.images.empty())
+    throw core::InputError(folder.string() + " holds TIFF stacks (" +
+                           fs::path(found.stacks.front()).filename().string() + ") and single images (" +
+                           fs::path(found.images.front()).filename().string() +
+                           "); name the stacks, or move the images into a folder of their own");
+  return found;
 }
 
-/// Returns the clips below a folder: videos, and folders of images.
+/// Returns whether the images of a folder are the frames of one clip.
+bool is_series(const fs::path& folder) {
+  return !pictures_in(folder).images.empty();
+}
+
+/// Returns the clips below a folder: videos, TIFF stacks, and folders of images.
 std::vector<std::string> clips_below(const fs::path& folder) {
-  std::vector<std::string> found;
+  std::vector<std::string> found = pictures_in(folder).stacks;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (is_hidden(entry.path())) continue;
     if (entry.is_directory(error)) {
-      if (holds_images(entry.path())) {
+      if (is_series(entry.path())) {
         found.push_back(entry.path().string());
         continue;
       }
@@ -73,7 +91,7 @@ std::vector<std::string> matches(const std::string& pattern) {
 /// Returns the clips that one path stands for.
 std::vector<std::string> clips_of(const std::string& path) {
   std::error_code error;
-  if (!fs::is_directory(path, error) || holds_images(path)) return {path};
+  if (!fs::is_directory(path, error) || is_series(path)) return {path};
   return clips_below(path);
 }
 
@@ -83,7 +101,8 @@ std::vector<std::string> clips_meant(const std::string& word) {
   std::error_code error;
   if (fs::exists(word, error)) {
     auto clips = clips_of(word);
-    if (clips.empty()) throw core::InputError(word + " holds no clip: no images, and no video below it");
+    if (clips.empty())
+      throw core::InputError(word + " holds no clip: no images, and no video or TIFF stack below it");
     return clips;
   }
   std::vector<std::string> clips;

@@ -14,10 +14,11 @@ struct PlannedRun {
 };
 
 /// Finds the clips that are meant, and names their runs. A word is a clip (a file, a folder of images,
-/// builtin:NAME), a folder without images, which stands for all videos and TIFFs below it, or a shell's
-/// pattern. Runs are sorted by name; a clip that is named twice is there once. Names have no extension,
-/// unless two clips differ by it alone. Throws core::InputError for a word that names nothing, a pipe, or a
-/// pattern that fits single images (frames of one clip).
+/// builtin:NAME), a folder without single images, which stands for all videos, TIFF stacks and folders of
+/// images in it, or a shell's pattern. Runs are sorted by name; a clip that is named twice is there once.
+/// Names have no extension, unless two clips differ by it alone. Throws core::InputError for a word that
+/// names nothing, a pipe, a folder of both stacks and single images, or a pattern that fits single images
+/// (frames of one clip).
 std::vector<PlannedRun> plan_runs(const std::vector<std::string>& words);
 
 }  // namespace emberfold::apps

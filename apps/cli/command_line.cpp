@@ -115,7 +115,7 @@ void add_reading_options(CLI::App& command, ReadingWords& words, io::ReadOptions
   add_word("--roi", words.region, "X,Y,W,H", "Read this region alone, in pixels of the clip as stored");
   if (with_mask)
     add_word("--mask", options.mask, "FILE",
-             "Structure counts where this image or clip of the stored size is bright");
+             "Structure counts where this image or clip of the stored size is not 0");
   add_word("--stabilize", words.stabilize, "HOW",
            "Take out the camera's motion: translation or similarity (and turning, zooming)");
   add_number(command, "--scale", options.scale, "FACTOR", "Resize the frames by this factor, above 0 to 16")
@@ -125,7 +125,7 @@ void add_reading_options(CLI::App& command, ReadingWords& words, io::ReadOptions
   add_word("--pixel-size", words.pixel_size, "LENGTH",
            "A stored pixel is as large as that: 0.065um (nm, um, mm, cm, m)");
   add_word("--levels", words.levels, "L",
-           "Black and white: auto (bits in use), full (of the format) or LOW:HIGH");
+           "Black and white: auto (bits or range in use), full (of the format) or LOW:HIGH");
   add_word("--channel", words.channel, "N",
            "Channel of a stack, from 0; of a clip in colour 0 red, 1 green, 2 blue");
   add_word("--slice", words.slice, "N|max", "Slice of a stack in depth, from 0; max: the brightest of all");

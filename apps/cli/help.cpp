@@ -154,6 +154,12 @@ std::string reading_help(const CLI::App& app) {
          "as many\n"
          "bits as the brightest value needs; for floats 1 where no value is above 1, otherwise as for 16 "
          "bits.\n"
+         "Where single pixels need two more bits than all others, these are left out; where values are "
+         "negative,\n"
+         "or use less than an eighth of the range, black and white are the ends of what they use; a note "
+         "says "
+         "so.\n"
+         "Floats that are no numbers (NaN) are masked.\n"
          "Channels, slices, pixel size and frame interval of a stack are those that ImageJ or OME tell of.\n";
 }
 

@@ -6,8 +6,9 @@
 
 namespace emberfold::apps {
 
-/// Turns Ctrl-C and SIGTERM into a stop request while it lives; the second one ends the process at once.
-/// Make it before any other thread, so that they all block these signals.
+/// Turns Ctrl-C, SIGTERM and a hang-up (SIGHUP, unless nohup has it ignored) into a stop request while it
+/// lives; the second one ends the process at once. Make it before any other thread, so that they all block
+/// these signals.
 class InterruptWatch {
  public:
   InterruptWatch();

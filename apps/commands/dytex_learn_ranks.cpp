@@ -64,13 +64,6 @@ int reader_count(const std::string& clip, const io::ReadOptions& read, const cor
   return any_frame_at_once(clip) && !alone ? ranks : 1;
 }
 
-/// Options with which another rank reads the same values without looking for white in all frames again.
-io::ReadOptions without_search(io::ReadOptions read, const core::ClipInfo& info) {
-  if (info.depth == CV_16U && read.levels.kind == io::Levels::Kind::used)
-    read.levels = {io::Levels::Kind::given, 0, 65535};
-  return read;
-}
-
 fs::path kept_folder(const std::string& output) {
   fs::path path = fs::absolute(output).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();
@@ -128,7 +121,7 @@ class LearningRank {
     tell();
     dytex::together(ranks_, [&] {
       if (is_root() || ranks_.rank() >= readers_) return;
-      source_ = open_held_clip(asked_.reading.clip, without_search(read_, info_), core::Warn());
+      source_ = open_held_clip(asked_.reading.clip, read_, core::Warn());
       const core::ClipInfo& found = source_->info();
       if (found.width != info_.width || found.height != info_.height || found.channels != info_.channels ||
           found.depth != info_.depth || found.frames != info_.frames)

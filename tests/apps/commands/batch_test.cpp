@@ -8,6 +8,7 @@
 #include "apps/batch/batch_plan.hpp"
 #include "core/error.hpp"
 #include "tests/apps/commands/command_check.hpp"
+#include "tests/support/tiff_writer.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;
@@ -61,6 +62,31 @@ TEST_CASE("a plan names runs by what the clips' paths differ in") {
   CHECK(names({clips + "/frames", clips + "/wild/b.avi"}) == std::vector<std::string>{"frames", "wild/b"});
   for (const std::string& wrong : {clips + "/none*", clips + "/frames/*.png", std::string("-")})
     CHECK_THROWS_AS(apps::plan_runs({wrong}), core::InputError);
+}
+
+TEST_CASE("each TIFF stack of a folder is a clip") {
+  const TempFolder temp;
+  const std::vector<cv::Mat> pages{noise_frame({16, 12}, CV_8UC1, 1), noise_frame({16, 12}, CV_8UC1, 2)};
+  for (const char* folder : {"clips/wild", "clips/mutant", "clips/frames"})
+    fs::create_directories(temp / folder);
+  for (const char* stack : {"clips/wild/a.tif", "clips/wild/b.tif", "clips/mutant/a.TIF"})
+    write_tiff(temp / stack, pages);
+  for (const char* frame : {"clips/frames/f1.tif", "clips/frames/f2.tif"})
+    write_tiff(temp / frame, {pages[0]});
+  const auto names = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> found;
+    for (const auto& run : apps::plan_runs(words)) found.push_back(run.name);
+    return found;
+  };
+  const std::string clips = (temp / "clips").string();
+  CHECK(names({clips}) == std::vector<std::string>{"frames", "mutant/a", "wild/a", "wild/b"});
+  CHECK(names({clips + "/wild", clips + "/mutant"}) ==
+        std::vector<std::string>{"mutant/a", "wild/a", "wild/b"});
+  CHECK(names({clips + "/wild/*.tif"}) == std::vector<std::string>{"a", "b"});
+  write_tiff(temp / "clips/wild/single.tif", {pages[0]});
+  const auto message = message_of<core::InputError>([&] { apps::plan_runs({clips}); });
+  CHECK(contains(message, "wild holds TIFF stacks"));
+  CHECK(contains(message, "single.tif"));
 }
 
 TEST_CASE("a batch analyses clips that can be, says why others cannot, and does nothing twice", "[slow]") {
