@@ -145,34 +145,93 @@ std::vector<SubgraphId> names_of(const Names& names, const std::vector<Patches>&
   return result;
 }
 
+/// Names the patches of all frames.
+class Naming {
+ public:
+  explicit Naming(const MotionGraph& motion) : motion_(motion), names_(motion.sketch.frames.size()) {}
+
+  /// Names the next frame, and the strokes of its events.
+  void add_frame(const std::vector<Event*>& events, double believed) {
+    const std::size_t t = named_++;
+    const AttributeGraph &before = t > 0 ? motion_.sketch.frames[t - 1] : none_,
+                         &after = motion_.sketch.frames[t];
+    const Names& names_before = t > 0 ? names_[t - 1] : no_names_;
+    Names& names = names_[t];
+    names = linked_names(before, after, motion_.links[t], names_before);
+    spread_names(after, names, last_);
+    std::map<std::uint32_t, std::uint32_t> became;
+    std::vector<ChangedPatches> changes;
+    for (const Event* event : events) {
+      changes.push_back(changed_patches(*event, before, after));
+      if (event->probability < believed) continue;
+      if (t > 0 && changes.back().before.size() == 2) part_before(t - 1, changes.back().before);
+      change_names(changes.back(), names_before, names, last_, became);
+    }
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      events[k]->before = names_of(names_before, changes[k].before);
+      events[k]->after = names_of(names, changes[k].after);
+    }
+  }
+  [[nodiscard]] const Names& names(std::size_t t) const { return names_[t]; }
+
+ private:
+  /// Gives the second of two parts with one name a name of its own, back to where they were one component or
+  /// the stroke began: a believed union is of two strokes.
+  void part_before(std::size_t t, const std::vector<Patches>& parts) {
+    const std::uint32_t name = usual_name(names_[t], parts[0]);
+    if (usual_name(names_[t], parts[1]) != name) return;
+    const std::uint32_t own = ++last_;
+    const bool are_apart = !is_one_component(t, parts[0], parts[1]);
+    for (Patches part = parts[1];; --t) {
+      std::erase_if(part, [&](std::uint32_t v) { return names_[t][v] != name; });
+      Patches rest;
+      for (std::uint32_t v = 0; v < names_[t].size(); ++v)
+        if (names_[t][v] == name && !std::ranges::binary_search(part, v)) rest.push_back(v);
+      if (part.empty() || rest.empty() || (are_apart && is_one_component(t, rest, part))) return;
+      rename(names_[t], part, name, own);
+      if (t == 0) return;
+      part = linked_before(t, part);
+    }
+  }
+  /// Returns whether a component holds patches of both.
+  [[nodiscard]] bool is_one_component(std::size_t t, const Patches& a, const Patches& b) const {
+    const Components parts = components(motion_.sketch.frames[t]);
+    return std::ranges::any_of(a, [&](std::uint32_t v) {
+      return std::ranges::any_of(b,
+                                 [&](std::uint32_t w) { return parts.of_vertex[v] == parts.of_vertex[w]; });
+    });
+  }
+  /// Returns the patches of the frame before that some patches are linked with.
+  [[nodiscard]] Patches linked_before(std::size_t t, const Patches& patches) const {
+    Patches result;
+    const auto& frames = motion_.sketch.frames;
+    for (const auto& [i, j] : detail::index_links(frames[t - 1], frames[t], motion_.links[t]).links)
+      if (std::ranges::binary_search(patches, j)) result.push_back(i);
+    std::ranges::sort(result);
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    return result;
+  }
+
+  const MotionGraph& motion_;
+  AttributeGraph none_;
+  std::vector<Names> names_;
+  Names no_names_;
+  std::size_t named_ = 0;  ///< frames
+  std::uint32_t last_ = 0;
+};
+
 }  // namespace
 
 void keep_identity(MotionGraph& motion, std::vector<Event>& events, double believed) {
   auto& frames = motion.sketch.frames;
   std::vector<std::vector<Event*>> of_frame(frames.size());
   for (Event& event : events) of_frame.at(static_cast<std::size_t>(event.frame)).push_back(&event);
-  std::uint32_t last = 0;
-  AttributeGraph before;
-  Names names_before;
+  Naming naming(motion);
+  for (const auto& of_one : of_frame) naming.add_frame(of_one, believed);
   for (std::size_t t = 0; t < frames.size(); ++t) {
-    const AttributeGraph after = frames[t];
-    Names names = linked_names(before, after, motion.links[t], names_before);
-    spread_names(after, names, last);
-    std::map<std::uint32_t, std::uint32_t> became;
-    std::vector<ChangedPatches> changes;
-    for (const Event* event : of_frame[t]) {
-      changes.push_back(changed_patches(*event, before, after));
-      if (event->probability >= believed) change_names(changes.back(), names_before, names, last, became);
-    }
-    for (std::size_t k = 0; k < changes.size(); ++k) {
-      of_frame[t][k]->before = names_of(names_before, changes[k].before);
-      of_frame[t][k]->after = names_of(names, changes[k].after);
-    }
-    std::vector<SubgraphId> strokes(names.size());
-    std::ranges::transform(names, strokes.begin(), [](std::uint32_t name) { return SubgraphId{name}; });
-    frames[t] = after.with_subgraphs(strokes);
-    before = after;
-    names_before = std::move(names);
+    std::vector<SubgraphId> strokes;
+    for (const std::uint32_t name : naming.names(t)) strokes.push_back({name});
+    frames[t] = frames[t].with_subgraphs(strokes);
   }
 }
 

@@ -111,6 +111,27 @@ TEST_CASE("A separation that is not believed leaves one stroke in two pieces", "
   CHECK(std::ranges::count_if(rows, [](const auto& row) { return row.frame == 5; }) == 1);
 }
 
+TEST_CASE("Pieces of one stroke that a believed union joins are two strokes since they came apart",
+          "[graph][kept_identity]") {
+  // The line of touching() comes apart in frame 1, which is not believed, and is one again in frame 3.
+  const auto frames = touching().sketch.frames;
+  const IndexLinks same = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6}},
+                   opening = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {5, 4}, {6, 5}, {7, 6}},
+                   closing = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 5}, {5, 6}, {6, 7}};
+  auto motion =
+      graph::identify(test::motion({frames[2], frames[4], frames[5], frames[2]}, {opening, same, closing}));
+  auto events = graph::stroke_events(motion);
+  REQUIRE(events.size() == 2);
+  events[0].probability = 0.3, events[1].probability = 0.8;  // the separation, the union
+  graph::keep_identity(motion, events, 0.5);
+  CHECK(strokes(motion, 0) == std::vector<std::uint32_t>(8, 1));
+  for (const std::size_t t : {1, 2})
+    CHECK(strokes(motion, t) == std::vector<std::uint32_t>{1, 1, 1, 1, 2, 2, 2});
+  CHECK(strokes(motion, 3) == std::vector<std::uint32_t>(8, 3));
+  CHECK(events[1].before == std::vector<graph::SubgraphId>{{1}, {2}});
+  CHECK(events[1].after == std::vector<graph::SubgraphId>{{3}});
+}
+
 TEST_CASE("A change that another reading has divides the strokes of a component", "[graph][kept_identity]") {
   // A line of eight patches stays; a reading sees it part at x = 27 in frame 2, and become one again in
   // frame 4.
