@@ -50,11 +50,11 @@ constexpr OptionRange above(double low, double high = std::numeric_limits<double
 /// Python's docstrings are made of these.
 template <class Options>
 struct OptionField {
-  const char* name;
+  const char* name = "";
   std::variant<double Options::*, int Options::*, bool Options::*> member;
-  const char* unit;  ///< PX, LEVELS, N …; empty for a switch
+  const char* unit = "";  ///< PX, LEVELS, N …; empty for a switch
   OptionRange range;
-  const char* meaning;
+  const char* meaning = "";
 
   [[nodiscard]] bool is_switch() const { return std::holds_alternative<bool Options::*>(member); }
   [[nodiscard]] std::string allowed() const { return is_switch() ? "true, false" : range.text(); }

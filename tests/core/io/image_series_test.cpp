@@ -28,7 +28,11 @@ core::Clip read(const fs::path& path, const io::ReadOptions& options = {}) {
 std::vector<fs::path> names(const std::vector<std::string>& heads, int count, const std::string& tail) {
   std::vector<fs::path> found;
   for (const auto& head : heads)
-    for (int i = 0; i < count; ++i) found.emplace_back("dir/" + head + std::to_string(i) + tail);
+    for (int i = 0; i < count; ++i) {
+      std::string name = "dir/";
+      name.append(head).append(std::to_string(i)).append(tail);
+      found.emplace_back(name);
+    }
   return found;
 }
 

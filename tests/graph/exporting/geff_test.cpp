@@ -77,7 +77,9 @@ void check_part(const Geff& geff, const std::string& part, std::size_t count) {
   for (const auto& [name, about] : props.items()) {
     CAPTURE(name);
     CHECK(about.at("identifier") == name);
-    const Json array = geff.json(part + "s/props/" + name + "/values/.zarray");
+    std::string place = part;
+    place.append("s/props/").append(name).append("/values/.zarray");
+    const Json array = geff.json(place);
     CHECK(array.at("shape") == Json::array({count}));
     CHECK(kTypes.contains(array.at("dtype").get<std::string>()));
     const std::string kind = array.at("dtype").get<std::string>().substr(1, 1);
