@@ -252,7 +252,7 @@ ImageFile read_image(const fs::path& path, std::optional<int> channel) {
   const bool may_hide_alpha = png_colour < 0 && image.pixels.channels() == 3 && bytes[0] != 0xFF;
   if (png_colour == 4 || png_colour == 6 ||
       (may_hide_alpha && decode(path, bytes, cv::IMREAD_UNCHANGED).channels() == 4))
-    image.notes.push_back(kAlphaDropped);
+    image.notes.emplace_back(kAlphaDropped);
   if (png_colour == 4) cv::extractChannel(image.pixels.clone(), image.pixels, 0);  // grey with alpha
   if (image.pixels.depth() != CV_8U && image.pixels.depth() != CV_16U && image.pixels.depth() != CV_32F)
     fail_image(path, "its values have neither 8 nor 16 bits, nor are they floats");

@@ -40,7 +40,7 @@ void note_extra(const TiffPage& page, std::size_t colours, SampleMeaning& meanin
   const std::size_t alpha =
       is_listed ? static_cast<std::size_t>(std::ranges::count_if(page.extra, is_alpha)) : 1;
   const std::size_t extra = page.samples > colours ? page.samples - colours : 0;
-  if (alpha > 0) meaning.notes.push_back(kAlphaDropped);
+  if (alpha > 0) meaning.notes.emplace_back(kAlphaDropped);
   if (!meaning.is_colour)
     meaning.channels = static_cast<int>(std::max<std::size_t>(1, page.samples - std::min(alpha, extra)));
   else if (extra > alpha)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -11,7 +12,7 @@
 namespace emberfold::io {
 
 /// The alpha channel's note, as of other images.
-inline const std::string kAlphaDropped = "its alpha channel is dropped";
+inline constexpr std::string_view kAlphaDropped = "its alpha channel is dropped";
 
 /// What the numbers of a page mean, by its head.
 struct SampleMeaning {
