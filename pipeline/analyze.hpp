@@ -31,7 +31,7 @@ namespace emberfold::pipeline {
 
 /// Holds the settings of analyze().
 struct AnalyzeOptions {
-  sketch::ExtractOptions sketch = {.sensitivity = kSteadySensitivity};
+  sketch::ExtractOptions sketch = kSteadySketch;
   graph::MatchOptions match = {};
   sketch::FillOptions fill = {};
   StartOptions starts = {};

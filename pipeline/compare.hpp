@@ -35,7 +35,7 @@ constexpr int kMostSynthesized = 1'000'000;
 
 /// Holds the settings of compare() and compare_models().
 struct CompareOptions {
-  sketch::ExtractOptions sketch = {.sensitivity = kSteadySensitivity};
+  sketch::ExtractOptions sketch = kSteadySketch;
   graph::MatchOptions match;
   sketch::FillOptions fill;
   dytex::LearnOptions

@@ -13,9 +13,9 @@
 
 namespace emberfold::pipeline {
 
-/// Sensitivity of a sketch whose strokes are followed in time, unless another is asked for: what comes and
-/// goes from frame to frame would count as events.
-inline constexpr double kSteadySensitivity = 0.35;
+/// Options of a sketch whose strokes are followed in time, unless others are asked for. What appears and
+/// disappears from frame to frame would count as events; outlines are not yet followed in time.
+inline constexpr sketch::ExtractOptions kSteadySketch = {.sensitivity = 0.35, .outlines = false};
 
 /// Holds every frame's graph and the background between its strokes.
 struct SketchedClip {

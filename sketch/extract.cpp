@@ -14,6 +14,8 @@
 #include "core/math/robust.hpp"
 #include "core/parallel.hpp"
 #include "core/text/check_range.hpp"
+#include "sketch/candidates/selection.hpp"
+#include "sketch/candidates/zero_curves.hpp"
 #include "sketch/detection/boundaries.hpp"
 #include "sketch/detection/colour.hpp"
 #include "sketch/detection/contrast_gaps.hpp"
@@ -275,14 +277,44 @@ std::vector<Chain> find_curves(const Searched& frame, const cv::Mat& levels, con
   return chains;
 }
 
+// Whether step edges are outlines that compete with lines.
+bool uses_outlines(const ExtractOptions& options, const cv::Mat1f* given) {
+  return options.edges && options.outlines && !options.boundaries && !options.colour && given == nullptr;
+}
+
+constexpr int kScalesOfEdges = 2;  // beyond those of lines: edges blurred by up to 8 px
+
+// Of the lines and the closed step edges those that explain the image; they are in the scale space given.
+std::vector<Chain> find_explaining_curves(const Searched& frame, const ScaleSpace& space,
+                                          const cv::Mat& levels, const ExtractOptions& options) {
+  constexpr double kVisible = 6;        // grey levels: the least difference that people see at mid grey
+  constexpr double kStillTraced = 0.5;  // of it: an edge may fade for a while
+  constexpr double kNoise = 3;          // SD of a gradient; white noise exceeds it at one pixel in 90
+  constexpr double kOctaves = 4;        // by which the exchange rate falls from sensitivity 0 to 1
+  ExtractOptions of_lines = options;
+  of_lines.edges = false;
+  std::vector<Chain> lines = find_curves(frame, levels, of_lines, make_limits(of_lines), nullptr);
+  const double less = 0.5 - options.sensitivity, visible = kVisible * std::exp2(2 * less);
+  std::vector<std::vector<Chain>> edges;
+  for (std::size_t k = 0; k < space.size(); ++k)
+    edges.push_back(trace_edges(space[k], static_cast<int>(k),
+                                std::max(kNoise * frame.noise * space[k].gradient_sd,
+                                         kStillTraced * visible / step_contrast(space[k].sigma))));
+  return select_curves(std::move(lines), std::move(edges), space, frame.axes[0].luma,
+                       {frame.noise, visible, std::exp2(kOctaves * less)});
+}
+
 // The strokes of a frame or a part, along the curves that are found or given.
 graph::AttributeGraph find_strokes(const Searched& frame, const cv::Mat& levels,
                                    const ExtractOptions& options, const cv::Mat1f* given) {
-  std::vector<Chain> chains = find_curves(frame, levels, options, make_limits(options), given);
+  const bool outlines = uses_outlines(options, given);
+  const ScaleSpace space = outlines ? with_coarser_levels(frame.space, kScalesOfEdges) : frame.space;
+  std::vector<Chain> chains = outlines ? find_explaining_curves(frame, space, levels, options)
+                                       : find_curves(frame, levels, options, make_limits(options), given);
   const CurveNetwork network =
-      prune_short_curves(merge_crossings(join_free_ends(std::move(chains), frame.space)), options.min_length);
+      prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
   return refine(
-      smooth_patches(place_patches(network, frame.space, levels, options.spacing, frame.noise), frame.noise),
+      smooth_patches(place_patches(network, space, levels, options.spacing, frame.noise), frame.noise),
       levels, frame.axes, {options.spacing, options.blobs, nullptr});
 }
 
@@ -301,7 +333,8 @@ graph::AttributeGraph find_strokes_in_tiles(const Statistics& of, const std::vec
 
 std::vector<Tile> tiles_of(cv::Size frame, const ExtractOptions& options) {
   constexpr double kMargin = 128, kScales = 16;  // px; of the coarsest scale
-  const double coarsest = options.finest_scale * std::exp2(0.5 * (options.scales - 1));
+  const int scales = options.scales + (uses_outlines(options, nullptr) ? kScalesOfEdges : 0);
+  const double coarsest = options.finest_scale * std::exp2(0.5 * (scales - 1));
   return make_tiles(frame, options.tile, static_cast<int>(std::ceil(std::max(kMargin, kScales * coarsest))));
 }
 
@@ -319,7 +352,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     noise = frame.noise, unexplained = frame.axes[0].noise;
     strokes = find_strokes(frame, levels, options, given);
   }
-  if (given == nullptr && !options.boundaries)
+  if (given == nullptr && !options.boundaries && !uses_outlines(options, given))
     strokes = remove_flank_curves(strokes, make_limits(options).of_step);
   strokes = with_evidence_of_curves(strokes);
   if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});

@@ -24,6 +24,7 @@ struct ExtractOptions {
   double spacing = 5;
   bool steady = true;
   bool edges = true;
+  bool outlines = true;
   bool boundaries = false;
   bool colour = false;
   bool blobs = false;
@@ -55,6 +56,9 @@ struct ExtractOptions {
         {"steady", &ExtractOptions::steady, "", kOnOff,
          "Make the sketches of a clip agree with those before and after"},
         {"edges", &ExtractOptions::edges, "", kOnOff, "Detect step edges next to ridges and valleys"},
+        {"outlines", &ExtractOptions::outlines, "", kOnOff,
+         "Trace step edges as closed outlines, and keep of them and of lines what explains the frame (not "
+         "with colour)"},
         {"boundaries", &ExtractOptions::boundaries, "", kOnOff,
          "Sketch the boundaries of things in photographs instead: where brightness or texture differ"},
         {"colour", &ExtractOptions::colour, "", kOnOff,

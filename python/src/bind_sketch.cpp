@@ -69,7 +69,7 @@ void bind_sketch(py::module_& module) {
         }));
       },
       py::arg("clip"),
-      py::arg("options") = sketch::ExtractOptions{.sensitivity = pipeline::kSteadySensitivity},
+      py::arg("options") = pipeline::kSteadySketch,
       py::arg("progress") = py::none(), doc("pipeline::sketch_clip"));
 }
 

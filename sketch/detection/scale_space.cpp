@@ -135,29 +135,34 @@ cv::Mat1f smoothed(const cv::Mat1f& from, int border, const Taps& taps) {
   return to;
 }
 
+// Smooths the level before, which is cheaper than starting from the image and gives the same Gaussian.
+void add_level(ScaleSpace& space, const cv::Mat1f& luma, double finest, int channel) {
+  ScaleLevel level;
+  level.octave = static_cast<int>(space.size());
+  level.sigma = finest * std::pow(2.0, 0.5 * level.octave);
+  level.channel = channel;
+  level.frame = luma;
+  const double before = space.empty() ? 0 : space.back().sigma;
+  const Taps step = gaussian_taps(std::sqrt(level.sigma * level.sigma - before * before), before);
+  level.smooth = space.empty() ? smoothed(luma, 0, step) : smoothed(space.back().smooth, 1, step);
+  const cv::Mat1d whole = gaussian_kernel(level.sigma);
+  const double plain = noise_gain(whole, {1});
+  level.gradient_sd = std::sqrt(plain * noise_gain(whole, {0.5, 0, -0.5}));
+  level.hessian_sd = std::sqrt(plain * noise_gain(whole, {1, -2, 1}));
+  space.push_back(std::move(level));
+}
+
 }  // namespace
 
 ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels, int channel) {
   ScaleSpace space;
-  double previous_sigma = 0;
-  for (int i = 0; i < levels; ++i) {
-    ScaleLevel level;
-    level.sigma = finest * std::pow(2.0, 0.5 * i);
-    level.channel = channel;
-    level.octave = i;
-    level.frame = luma;
-    // Each level smooths the one before, which is cheaper than starting from the image and gives the same
-    // Gaussian.
-    const Taps step =
-        gaussian_taps(std::sqrt(level.sigma * level.sigma - previous_sigma * previous_sigma), previous_sigma);
-    level.smooth = i == 0 ? smoothed(luma, 0, step) : smoothed(space.back().smooth, 1, step);
-    const cv::Mat1d whole = gaussian_kernel(level.sigma);
-    const double plain = noise_gain(whole, {1});
-    level.gradient_sd = std::sqrt(plain * noise_gain(whole, {0.5, 0, -0.5}));
-    level.hessian_sd = std::sqrt(plain * noise_gain(whole, {1, -2, 1}));
-    previous_sigma = level.sigma;
-    space.push_back(std::move(level));
-  }
+  for (int i = 0; i < levels; ++i) add_level(space, luma, finest, channel);
+  return space;
+}
+
+ScaleSpace with_coarser_levels(ScaleSpace space, int more) {
+  const ScaleLevel first = space.front();
+  for (int i = 0; i < more; ++i) add_level(space, first.frame, first.sigma, first.channel);
   return space;
 }
 

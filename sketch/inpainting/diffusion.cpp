@@ -8,14 +8,14 @@ namespace emberfold::sketch {
 
 namespace {
 
-constexpr int kLanes = 8;  // divides every span
+constexpr int kVectorLanes = 8;  // divides every span
 
 /// Eight partial sums in a fixed order, as vector units have them.
 template <class Real>
 double dot(const Real* a, const Real* b, int n) {
-  std::array<Real, kLanes> lanes{};
-  for (int k = 0; k < n; k += kLanes)
-    for (int j = 0; j < kLanes; ++j) lanes[static_cast<std::size_t>(j)] += a[k + j] * b[k + j];
+  std::array<Real, kVectorLanes> lanes{};
+  for (int k = 0; k < n; k += kVectorLanes)
+    for (int j = 0; j < kVectorLanes; ++j) lanes[static_cast<std::size_t>(j)] += a[k + j] * b[k + j];
   double sum = 0;
   for (const Real lane : lanes) sum += static_cast<double>(lane);
   return sum;
@@ -23,9 +23,9 @@ double dot(const Real* a, const Real* b, int n) {
 
 template <class Real>
 double largest(const Real* a, int n) {
-  std::array<Real, kLanes> lanes{};
-  for (int k = 0; k < n; k += kLanes)
-    for (int j = 0; j < kLanes; ++j) {
+  std::array<Real, kVectorLanes> lanes{};
+  for (int k = 0; k < n; k += kVectorLanes)
+    for (int j = 0; j < kVectorLanes; ++j) {
       const Real value = std::abs(a[k + j]);
       Real& lane = lanes[static_cast<std::size_t>(j)];
       lane = value > lane ? value : lane;

@@ -21,11 +21,9 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const auto clip = io::open_video(argv[1]);
-  sketch::ExtractOptions options;
-  options.sensitivity = pipeline::kSteadySensitivity;
   pipeline::StartOptions starts;
   starts.chains = in_noise ? 3 : 1;  // the first of noise is the third
-  const auto sketches = pipeline::sketch_starts(*clip, options, starts, 1, {});
+  const auto sketches = pipeline::sketch_starts(*clip, pipeline::kSteadySketch, starts, 1, {});
   const auto sketch = pipeline::add_lasting_patches(*clip, sketches.clip.sketch);
   auto readings = pipeline::match_readings(sketch, graph::match(sketch, {}), {}, false);
   for (const auto& copy : sketches.perturbed)

@@ -38,9 +38,7 @@ core::Clip film(const Level& level, double noise) {
 
 graph::MotionGraph matched(const core::Clip& clip) {
   core::ClipSource source(clip);
-  sketch::ExtractOptions options;
-  options.sensitivity = pipeline::kSteadySensitivity;
-  return graph::match(pipeline::sketch_clip(source, options, {}).sketch, {});
+  return graph::match(pipeline::sketch_clip(source, pipeline::kSteadySketch, {}).sketch, {});
 }
 
 std::vector<graph::Event> posterior(const core::Clip& clip, const graph::MotionGraph& motion) {
@@ -312,7 +310,7 @@ TEST_CASE("Readings of a clip are the same, reversed, for the clip played backwa
       },
       3);
   core::ClipSource source(clip);
-  const auto sketch = pipeline::sketch_clip(source, {.sensitivity = pipeline::kSteadySensitivity}, {}).sketch;
+  const auto sketch = pipeline::sketch_clip(source, pipeline::kSteadySketch, {}).sketch;
   const auto reversed = graph::reverse_time(sketch);
   const auto forwards = pipeline::match_readings(sketch, graph::match(sketch, {}), {}, false);
   const auto backwards = pipeline::match_readings(reversed, graph::match(reversed, {}), {}, false);

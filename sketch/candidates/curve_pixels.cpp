@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sketch/candidates/curve_pixels.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace emberfold::sketch {
+
+namespace {
+
+// The points of a section and some of its neighbours', single precision for vectors.
+struct NearPoints {
+  static constexpr std::size_t kMost = 32;
+  std::array<float, kMost> x, y, nx, ny;
+  std::size_t count = 0, first = 0, last = 0;  // the section's own
+  bool start = false, end = false;             // the curve ends freely there
+  float left = 1e9F, right = -1e9F, top = 1e9F, bottom = -1e9F;
+};
+
+NearPoints near_points(const Chain& chain, const CurveSection& section) {
+  constexpr std::uint32_t kOwn = 12, kAround = 4;
+  NearPoints near{};
+  const auto all = static_cast<std::uint32_t>(chain.points.size());
+  const std::uint32_t stride = (section.last - section.first + kOwn - 1) / kOwn;
+  const std::uint32_t before = std::min(kAround, section.first / stride);
+  near.start = section.first == 0 && !chain.closed;
+  near.end = section.last == all && !chain.closed;
+  for (std::uint32_t i = section.first - before * stride;
+       i < std::min(all, section.last + kAround * stride) && near.count < NearPoints::kMost; i += stride) {
+    const CreasePoint& p = chain.points[i];
+    const std::size_t k = near.count++;
+    near.x[k] = static_cast<float>(p.position.x), near.y[k] = static_cast<float>(p.position.y);
+    near.nx[k] = static_cast<float>(-std::sin(p.theta)), near.ny[k] = static_cast<float>(std::cos(p.theta));
+    if (i < section.first) near.first = k + 1;
+    if (i < section.last) near.last = k + 1;
+    if (i < section.first || i >= section.last) continue;
+    near.left = std::min(near.left, near.x[k]), near.right = std::max(near.right, near.x[k]);
+    near.top = std::min(near.top, near.y[k]), near.bottom = std::max(near.bottom, near.y[k]);
+  }
+  return near;
+}
+
+// Moves `best` along the curve to the point nearest to a pixel; returns the squared distance. From the point
+// that was nearest to the neighbouring pixel that is a step or two.
+float approach(const NearPoints& near, float x, float y, std::size_t& best) {
+  const auto squares = [&](std::size_t i) {
+    const float dx = x - near.x[i], dy = y - near.y[i];
+    return dx * dx + dy * dy;
+  };
+  float least = squares(best);
+  for (std::size_t i = best; i + 1 < near.count;) {
+    const float next = squares(++i);
+    if (next >= least) break;
+    least = next, best = i;
+  }
+  for (std::size_t i = best; i > 0;) {
+    const float next = squares(--i);
+    if (next >= least) break;
+    least = next, best = i;
+  }
+  return least;
+}
+
+}  // namespace
+
+std::vector<CurveSection> cut_into_sections(const Chain& chain, double length) {
+  const std::vector<double> s = arc_lengths(chain);
+  const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(s.back() / length)));
+  std::vector<CurveSection> sections;
+  std::uint32_t i = 0;
+  for (std::size_t k = 1; k <= parts; ++k) {
+    const std::uint32_t first = i;
+    const double until = s.back() * static_cast<double>(k) / static_cast<double>(parts);
+    while (i < s.size() && (s[i] <= until || k == parts)) ++i;
+    if (i > first) sections.push_back({first, i});
+  }
+  return sections;
+}
+
+void add_section_pixels(const Chain& chain, const CurveSection& section, double reach, cv::Size frame,
+                        std::vector<CurvePixel>& pixels) {
+  const NearPoints near = near_points(chain, section);
+  const auto r = static_cast<float>(reach);
+  const int left = std::max(0, static_cast<int>(std::ceil(near.left - r))),
+            right = std::min(frame.width - 1, static_cast<int>(std::floor(near.right + r))),
+            top = std::max(0, static_cast<int>(std::ceil(near.top - r))),
+            bottom = std::min(frame.height - 1, static_cast<int>(std::floor(near.bottom + r)));
+  std::size_t best = near.first;
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x) {
+      const float least = approach(near, static_cast<float>(x), static_cast<float>(y), best);
+      if (best < near.first || best >= near.last || least > r * r) continue;
+      const float across = (static_cast<float>(x) - near.x[best]) * near.nx[best] +
+                           (static_cast<float>(y) - near.y[best]) * near.ny[best];
+      const bool aside = least - across * across > 1;  // beyond an end, or outside a bend
+      if (aside && ((near.start && best == near.first) || (near.end && best + 1 == near.last))) continue;
+      pixels.push_back({y * frame.width + x, aside ? std::copysign(std::sqrt(least), across) : across});
+    }
+}
+
+}  // namespace emberfold::sketch
