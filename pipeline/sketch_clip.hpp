@@ -14,8 +14,8 @@
 namespace emberfold::pipeline {
 
 /// Options of a sketch whose strokes are followed in time, unless others are asked for. What appears and
-/// disappears from frame to frame would count as events; outlines are not yet followed in time.
-inline constexpr sketch::ExtractOptions kSteadySketch = {.sensitivity = 0.35, .outlines = false};
+/// disappears from frame to frame would count as events.
+inline constexpr sketch::ExtractOptions kSteadySketch = {.sensitivity = 0.35};
 
 /// Holds every frame's graph and the background between its strokes.
 struct SketchedClip {

@@ -24,7 +24,7 @@ struct ExtractOptions {
   double spacing = 5;
   bool steady = true;
   bool edges = true;
-  bool outlines = true;
+  bool outlines = false;
   bool boundaries = false;
   bool colour = false;
   bool blobs = false;

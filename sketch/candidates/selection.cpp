@@ -108,7 +108,7 @@ class Selection {
       Candidate candidate{std::move(chain), &shapes_[level], {}};
       const double length = std::clamp(1.5 * space_[level].sigma, 4.0, 8.0);
       for (const CurveSection& section : cut_into_sections(candidate.chain, length))
-        candidate.trials.push_back({section});
+        candidate.trials.push_back({.section = section, .levels = {}});
       candidates_.push_back(std::move(candidate));
       extend(candidates_.size() - 1);
     }

@@ -20,7 +20,7 @@ using graph::Patch;
 using graph::Point;
 
 constexpr double kBeside = 3;      // px between the edges of what runs side by side
-constexpr double kAlong = 4;       // px along a patch within which one beside it is looked for
+constexpr double kAlongPatch = 4;  // px along a patch within which one beside it is looked for
 constexpr double kParallel = 0.5;  // rad
 constexpr double kNarrower = 0.7;  // of a curve's width: what makes it a flank is at most so wide
 constexpr double kOfLine = 0.85;   // of a curve's contrast: the least of a line that it may flank
@@ -54,7 +54,8 @@ class Cells {
            at != places_.end() && at->key <= last; ++at) {
         const Point off = at->position - p;
         const double across = 0.5 * (width + at->width) + kBeside;
-        if (dot(off, off) <= kMore * (kAlong * kAlong + across * across) && match(at->index)) return true;
+        if (dot(off, off) <= kMore * (kAlongPatch * kAlongPatch + across * across) && match(at->index))
+          return true;
       }
     }
     return false;
@@ -97,7 +98,7 @@ bool may_flank(const Patch& patch, double width, const Patch& other, double of_s
 bool lies_beside(const Patch& patch, double width, const Patch& other) {
   const Point along{std::cos(patch.theta), std::sin(patch.theta)}, off = other.position - patch.position;
   const double across = std::abs(off.y * along.x - off.x * along.y);
-  return std::abs(dot(off, along)) <= kAlong && across <= 0.5 * (width + other.width) + kBeside &&
+  return std::abs(dot(off, along)) <= kAlongPatch && across <= 0.5 * (width + other.width) + kBeside &&
          graph::orientation_difference(patch.theta, other.theta) <= kParallel;
 }
 
@@ -135,7 +136,7 @@ class Flanks {
   static double reach(const AttributeGraph& graph) {
     double widest = 0;
     for (const auto& v : graph.vertices()) widest = std::max(widest, width(v.patch));
-    return std::hypot(kAlong, widest + kBeside);
+    return std::hypot(kAlongPatch, widest + kBeside);
   }
 
   [[nodiscard]] bool is_flank(const Curve& curve, double width) {
