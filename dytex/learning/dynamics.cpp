@@ -96,9 +96,9 @@ bool is_noiseless(const Fit& fit) {
   return fit.noise.norm() <= kLeastNoise / std::sqrt(static_cast<double>(fit.states.cols()));
 }
 
-/// Returns whether a fit is of waves that neither grow nor fade, but for rounding.
+/// Returns whether a fit is of waves that neither grow nor fade, but for rounding. Few frames fit any A.
 bool is_undamped(const Fit& fit) {
-  return is_noiseless(fit) && ((eigenvalues(fit.A).cwiseAbs().array() - 1).abs() < kUndamped).all();
+  return fit.states.cols() > 2 * fit.A.rows() && is_noiseless(fit) && ((eigenvalues(fit.A).cwiseAbs().array() - 1).abs() < kUndamped).all();
 }
 
 /// Brings A of undamped waves just below the radius 1, with F Fᵀ = (1 − ρ²) M: its stationary covariance M is

@@ -25,7 +25,7 @@ struct TiffHead {
   bool separate = false;          ///< one sample of all pixels after the other
   std::vector<std::uint64_t> extra = {};  ///< of the last samples: 0 unknown, 1, 2 alpha
   std::uint64_t stacked = 0;              ///< pictures of a MetaMorph stack
-  std::vector<std::uint64_t> stack_ms;      ///< of a MetaMorph stack: times of its pictures, ms of the day
+  std::vector<std::uint64_t> stack_ms = {}; ///< of a MetaMorph stack: times of its pictures, ms of the day
   bool without_photometric = false;
   bool description_is_lost = false;  ///< with heads_are_lost: it came last, too
   bool heads_are_lost =

@@ -138,7 +138,7 @@ TEST_CASE("footage synthesis: a loop repeats itself to the byte") {
 }
 
 TEST_CASE("footage synthesis: a loop of whole periods of the footage is the footage itself") {
-  const auto footage = travelling_waves(60);  // a period has 16 frames
+  const auto footage = travelling_waves(80);  // a period has 16 frames
   for (const int loop : {16, 48, 112}) {
     const auto frames = draw(footage, {.seed = 3, .loop = loop}, loop + 1);
     const auto first = std::ranges::find_if(
