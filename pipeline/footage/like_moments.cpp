@@ -21,7 +21,7 @@ constexpr int kComparedSide = 80;  // px: larger pictures are reduced before the
 constexpr double kBlur = 1;        // px: small shifts are no difference
 constexpr int kMostHalf = 4;       // frames: about a quarter of a second of movement
 constexpr int kShortestJump = 25;  // frames: shorter jumps repeat or skip what was just seen
-constexpr double kSame = 0.05;     // of the usual change: frames that show no difference
+constexpr double kNoDifference = 0.05;     // of the usual change: frames that show no difference
 constexpr std::size_t kBestJumps = 20;
 
 cv::Mat small_picture(const cv::Mat& frame) {
@@ -68,7 +68,7 @@ float jump_cost(const cv::Mat1f& distance, int half, int a, int b) {
 bool repeats_after(const cv::Mat1f& distance, int lag, double change) {
   double sum = 0;
   for (int i = 0; i + lag < distance.rows; ++i) sum += double{distance(i, i + lag)};
-  return sum < kSame * change * (distance.rows - lag);
+  return sum < kNoDifference * change * (distance.rows - lag);
 }
 
 }  // namespace

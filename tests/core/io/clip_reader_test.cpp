@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <utility>
 
 #include <fcntl.h>
 #include <opencv2/imgcodecs.hpp>
