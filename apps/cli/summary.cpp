@@ -35,15 +35,15 @@ void write_summary(io::OutputFolder& output, const Json& summary) {
 
 Json clip_json(const std::string& clip, const core::ClipInfo& info, int frames) {
   Json json = {{"name", clip},
-          {"width", info.width},
-          {"height", info.height},
-          {"channels", info.channels},
-          {"fps", info.fps},
-          {"frames", frames},
-          {"fps_is_known", info.fps_is_known},
-          {"pixel_um", info.pixel_um ? Json(*info.pixel_um) : Json(nullptr)},
-          {"bits", CV_ELEM_SIZE1(info.depth) * 8},
-          {"white", info.white}};
+               {"width", info.width},
+               {"height", info.height},
+               {"channels", info.channels},
+               {"fps", info.fps},
+               {"frames", frames},
+               {"fps_is_known", info.fps_is_known},
+               {"pixel_um", info.pixel_um ? Json(*info.pixel_um) : Json(nullptr)},
+               {"bits", CV_ELEM_SIZE1(info.depth) * 8},
+               {"white", info.white}};
   graph::add_units(json, graph::units_of(info));
   return json;
 }

@@ -276,7 +276,8 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   const auto& origin = source->info().origin;
   asked.seed = session.common.seed, asked.clip = made.clip;
   if (asked.review)
-    for (auto& one : *asked.review) one.event.position = one.event.position - graph::Point{origin.x, origin.y};
+    for (auto& one : *asked.review)
+      one.event.position = one.event.position - graph::Point{origin.x, origin.y};
   const auto memory = std::make_shared<io::MappedMemory>(output.path());
   made.found = pipeline::analyze(*source, asked, session.context.with_memory(memory), stages);
   const auto& found = made.found;

@@ -92,7 +92,8 @@ void write_tables(const FinishedRun& run, io::OutputFolder& output) {
   const auto& units = run.clip.units;
   output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, run.events, units); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, run.motion, units); });
-  output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, run.motion, units); });
+  output.write("trajectories.csv",
+               [&](std::ostream& out) { graph::write_trajectories(out, run.motion, units); });
   output.write("curves.csv", [&](std::ostream& out) { graph::write_curves(out, run.motion, units); });
   output.write("lives.csv",
                [&](std::ostream& out) { graph::write_lives(out, graph::stroke_lives(run.motion), units); });

@@ -360,8 +360,8 @@ class VideoFileDecoder final : public FrameDecoder {
     }
   }
 
-  /// Returns the size at which the frame's pixels are square: one side grows. Throws core::IoError for a shape
-  /// that no camera has.
+  /// Returns the size at which the frame's pixels are square: one side grows. Throws core::IoError for a
+  /// shape that no camera has.
   [[nodiscard]] cv::Size square_size(cv::Size size) const {
     constexpr double kSquare = 1e-3, kMostShape = 8;
     const AVRational aspect = stream_->pixel_aspect();

@@ -16,8 +16,8 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr double kLeastNoise = 1e-6;    // of the states' size; smaller residuals are rounding
-constexpr double kUndamped = 1e-6;      // of a pole's radius from 1: rounding of the frames
+constexpr double kLeastNoise = 1e-6;  // of the states' size; smaller residuals are rounding
+constexpr double kUndamped = 1e-6;    // of a pole's radius from 1: rounding of the frames
 constexpr double kHeldRadius = 1 - 1e-9;
 constexpr int kDoublings = 20;          // a mean over 2^20 frames
 constexpr double kVarianceRatio = 1.5;  // drawn to learned; beyond it a note warns
@@ -98,7 +98,8 @@ bool is_noiseless(const Fit& fit) {
 
 /// Returns whether a fit is of waves that neither grow nor fade, but for rounding. Few frames fit any A.
 bool is_undamped(const Fit& fit) {
-  return fit.states.cols() > 2 * fit.A.rows() && is_noiseless(fit) && ((eigenvalues(fit.A).cwiseAbs().array() - 1).abs() < kUndamped).all();
+  return fit.states.cols() > 2 * fit.A.rows() && is_noiseless(fit) &&
+         ((eigenvalues(fit.A).cwiseAbs().array() - 1).abs() < kUndamped).all();
 }
 
 /// Brings A of undamped waves just below the radius 1, with F Fᵀ = (1 − ρ²) M: its stationary covariance M is

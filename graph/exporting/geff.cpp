@@ -116,8 +116,7 @@ void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::stri
   Json about = {
       {"geff_version", "1.1.0"},
       {"directed", true},
-      {"axes",
-       {time_axis(frame, clip.units), axis("y", "space", place, y), axis("x", "space", place, x)}},
+      {"axes", {time_axis(frame, clip.units), axis("y", "space", place, y), axis("x", "space", place, x)}},
       {"display_hints", {{"display_horizontal", "x"}, {"display_vertical", "y"}, {"display_time", "t"}}}};
   about["node_props_metadata"] = {{"t", zarr.property("nodes", "t", frame)},
                                   {"y", zarr.property("nodes", "y", y)},
@@ -125,7 +124,8 @@ void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::stri
                                   {"frame", zarr.property("nodes", "frame", frame)},
                                   {tree.of, zarr.property("nodes", tree.of, stroke)},
                                   {"length", zarr.property("nodes", "length", length)}};
-  if (!clip.units.times.empty()) about["node_props_metadata"]["time_s"] = zarr.property("nodes", "time_s", time);
+  if (!clip.units.times.empty())
+    about["node_props_metadata"]["time_s"] = zarr.property("nodes", "time_s", time);
   about["edge_props_metadata"] = {{"probability", zarr.property("edges", "probability", probability)}};
   zarr.file(".zattrs", Json{{"geff", about}}.dump(1));
 }

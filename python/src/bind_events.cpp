@@ -57,8 +57,8 @@ graph::TrackedClip tracked(const Motion& motion, std::string name, graph::Units 
 py::dict geff_files(const Motion& motion, const py::list& events, const std::string& of, MaybeNumber seconds,
                     MaybeNumber um, const Times& times, const OriginTuple& origin) {
   py::dict files;
-  graph::write_geff(tree_of(motion, events, of), tracked(motion, {}, {seconds, um, times, to_origin(origin)}), "geff",
-                    [&](const std::string& path, const std::function<void(std::ostream&)>& body) {
+  graph::write_geff(tree_of(motion, events, of), tracked(motion, {}, {seconds, um, times, to_origin(origin)}),
+                    "geff", [&](const std::string& path, const std::function<void(std::ostream&)>& body) {
                       files[py::str(path.substr(path.find('/') + 1))] = written(body);
                     });
   return files;

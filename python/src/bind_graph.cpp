@@ -181,7 +181,9 @@ void bind_text(py::class_<Motion>& motion) {
         text);
   };
   write("to_jsonl", graph::write_motion, doc("graph::write_motion"));
-  write("trajectories_csv", graph::write_trajectories, doc("graph::write_trajectories"));
+  write("trajectories_csv",
+        static_cast<void (*)(std::ostream&, const graph::MotionGraph&)>(graph::write_trajectories),
+        doc("graph::write_trajectories"));
   const auto write_in_units = [&](const char* name, auto writer, const char* text) {
     motion.def(
         name,
@@ -194,8 +196,8 @@ void bind_text(py::class_<Motion>& motion) {
           }
           return bytes_of(out);
         },
-        py::arg("seconds") = py::none(), py::arg("um") = py::none(),
-        py::arg("times") = std::vector<double>{}, py::arg("origin") = OriginTuple{}, text);
+        py::arg("seconds") = py::none(), py::arg("um") = py::none(), py::arg("times") = std::vector<double>{},
+        py::arg("origin") = OriginTuple{}, text);
   };
   using Table = void (*)(std::ostream&, const graph::MotionGraph&, const graph::Units&);
   write_in_units("strokes_csv", static_cast<Table>(graph::write_strokes), doc("graph::write_strokes"));

@@ -28,7 +28,8 @@ inline OriginTuple to_tuple(const core::ClipOrigin& origin) {
   return {origin.x, origin.y, origin.seconds, origin.counted_from};
 }
 inline core::ClipOrigin to_origin(const OriginTuple& origin) {
-  return std::make_from_tuple<core::ClipOrigin>(origin);
+  const auto& [x, y, seconds, counted_from] = origin;
+  return {x, y, seconds, counted_from};
 }
 
 /// A clip as a value: an array that somebody holds, of which nothing is copied, or a part of a file.

@@ -40,8 +40,7 @@ void note_values(core::FrameSource& values, const std::string& name, const core:
 
 }  // namespace
 
-MaskClip::MaskClip(const ReadOptions& options, cv::Size size, const core::Warn& warn)
-    : name_(options.mask) {
+MaskClip::MaskClip(const ReadOptions& options, cv::Size size, const core::Warn& warn) : name_(options.mask) {
   ReadOptions reading = options.beside();
   reading.grey = true, reading.scale = 1, reading.region.reset();
   const ReadOptions part = reading;

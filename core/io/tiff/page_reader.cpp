@@ -253,7 +253,7 @@ std::vector<TiffPage> read_picture_pages(const fs::path& path, const core::Warn&
   };
   if (pages.size() < in_file)
     say(std::to_string(in_file - pages.size()) +
-         " of its pages are smaller copies or masks, and are passed over");
+        " of its pages are smaller copies or masks, and are passed over");
   std::set<std::string> printed;
   for (const TiffPage& page : pages) try {
       for (const auto& note : meaning_of(page).notes)

@@ -62,21 +62,26 @@ void write_uneven_birth(const fs::path& path) {
 
 }  // namespace
 
-TEST_CASE("times are those of the frames, and a part of a clip counts from the source unless an option says otherwise") {
+TEST_CASE(
+    "times are those of the frames, and a part of a clip counts from the source unless an option says "
+    "otherwise") {
   const TempFolder temp;
   const auto clip = temp / "clip.mkv";
   write_uneven_birth(clip);
   const auto birth = [&](const char* out, const std::vector<std::string>& more) {
-    const auto result = run_command(joined({"analyze", clip.string(), "-o", (temp / out).string(), "-q",
-                                            "--bottom-up", "--set", "calibrate.calibrate=0", "--pixel-size",
-                                            "2um"},
-                                           more));
+    const auto result =
+        run_command(joined({"analyze", clip.string(), "-o", (temp / out).string(), "-q", "--bottom-up",
+                            "--set", "calibrate.calibrate=0", "--pixel-size", "2um"},
+                           more));
     INFO(result.err);
     REQUIRE(result.exit == 0);
     auto row = row_where(temp / out / "events.csv", "type", "birth");
     // The same as in events.json, and in what export makes of that.
-    REQUIRE(run_command({"export", (temp / out).string(), "--csv", "-o", (temp / out / "again").string()}).exit == 0);
-    for (const char* table : {"events.csv", "strokes.csv", "curves.csv", "lives.csv", "network.csv", "trajectories.csv"})
+    REQUIRE(
+        run_command({"export", (temp / out).string(), "--csv", "-o", (temp / out / "again").string()}).exit ==
+        0);
+    for (const char* table :
+         {"events.csv", "strokes.csv", "curves.csv", "lives.csv", "network.csv", "trajectories.csv"})
       CHECK(bytes_of(temp / out / table) == bytes_of(temp / out / "again" / table));
     const Json events = json_of(temp / out / "events.json");
     CHECK(events["events"][0]["x"].get<double>() == Approx(number_in(row, "x")));

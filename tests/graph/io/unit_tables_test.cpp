@@ -97,7 +97,8 @@ TEST_CASE("Times are those of the frames and positions count from the source", "
   CHECK(graph::moved(graph::read_events(in, "e.json"), {-100, -40}) == events);
 
   const auto motion = growing_line();
-  const auto lives = text_of([&](std::ostream& out) { graph::write_lives(out, graph::stroke_lives(motion), units); });
+  const auto lives =
+      text_of([&](std::ostream& out) { graph::write_lives(out, graph::stroke_lives(motion), units); });
   // Frames 1 to 3 from 1.1 s up to 1.6 s; 4 px and 2 px a frame of 0.2 s each.
   CHECK_THAT(lives, test::Contains(",1,3,3,1,28,4,2,0.5") && test::Contains(",14,10"));
   const auto strokes = text_of([&](std::ostream& out) { graph::write_strokes(out, motion, units); });
