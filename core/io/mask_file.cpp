@@ -57,7 +57,7 @@ MaskSource::MaskSource(std::unique_ptr<core::FrameSource> values, bool is_lossy)
 
 cv::Mat MaskSource::next() {
   const cv::Mat frame = values_->next();
-  if (frame.empty()) return frame;
+  if (frame.empty()) return {};
   double threshold = 0;
   if (is_lossy_) {
     brightest_ = std::max(brightest_, brightest_of(frame));

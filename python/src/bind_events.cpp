@@ -74,8 +74,8 @@ void bind_exports(py::module_& module) {
         [writer](const Motion& motion, const py::list& events, const std::string& of, const std::string& clip,
                  MaybeNumber seconds, MaybeNumber um, const Times& times, const OriginTuple& origin) {
           const auto tree = tree_of(motion, events, of);
-          const auto about = tracked(motion, clip, {seconds, um, times, to_origin(origin)});
-          return written([&](std::ostream& out) { writer(out, tree, about); });
+          const auto tracks = tracked(motion, clip, {seconds, um, times, to_origin(origin)});
+          return written([&](std::ostream& out) { writer(out, tree, tracks); });
         },
         py::arg("motion"), py::arg("events"), py::arg("of") = "strokes", py::arg("clip") = "",
         py::arg("seconds") = py::none(), py::arg("um") = py::none(), py::arg("times") = Times{},
