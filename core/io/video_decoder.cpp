@@ -313,9 +313,9 @@ class VideoFileDecoder final : public FrameDecoder {
       least = std::min(least, times[i] - times[i - 1]);
       most = std::max(most, times[i] - times[i - 1]);
     }
-    const auto ms = [](double value) { return core::significant_text(1000 * value, 3) + " ms"; };
-    report(warn_, path_.string() + ": its frames are not evenly spaced in time (" + ms(least) + " to " +
-                      ms(most) + "); each has the time of its own time stamp");
+    report(warn_, path_.string() + ": its frames are not evenly spaced in time (" +
+                      core::significant_text(least, 3) + " to " + core::significant_text(most, 3) +
+                      " s apart); each has its own time");
     for (const double first = times[0]; double& time : times) time -= first;
     info_.times = std::move(times);
   }

@@ -126,7 +126,7 @@ TEST_CASE("each frame of a video has the time of its own time stamp") {
 
   const auto path = temp / "uneven.mkv";
   write_stored_video(path, {.times = {80, 113, 146, 179, 279, 379, 479}}, plain);
-  CHECK(contains(video_warnings(path), "not evenly spaced in time (33 ms to 100 ms)"));
+  CHECK(contains(video_warnings(path), "not evenly spaced in time (0.033 to 0.1 s apart)"));
   const auto close = [](const std::vector<double>& found, const std::vector<double>& expected) {
     REQUIRE(found.size() == expected.size());
     for (std::size_t i = 0; i < found.size(); ++i) CHECK(found[i] == Approx(expected[i]).margin(1e-9));
