@@ -78,3 +78,16 @@ TEST_CASE("masks of labels count inside wherever a mask is read from an image") 
   check_columns(soft("m0.png"), {false, true, true, true});
   CHECK(soft("m1.png").at<std::uint8_t>(12, 20) == 128);  // half transparent
 }
+
+TEST_CASE("a pixel of a mask counts above half of the brightest value so far, anew in every pass") {
+  const TempFolder temp;
+  write_masks(temp / "lossy", ".jpg", {{0, 30, 80, 100}, {0, 80, 200, 255}});
+  io::ReadOptions options;
+  options.mask = (temp / "lossy").string();
+  io::MaskClip mask(options, {32, 24});
+  for (int pass = 0; pass < 2; ++pass) {
+    check_columns(mask.next(), {false, false, true, true});
+    check_columns(mask.next(), {false, false, true, true});
+    mask.rewind();
+  }
+}
