@@ -3,11 +3,20 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 namespace emberfold::core {
+
+/// Where a part of a clip begins: added to positions and times of the part they count from `counted_from`.
+struct ClipOrigin {
+  double x = 0, y = 0;       ///< px of the clip's frames
+  double seconds = 0;        ///< s, ≥ 0
+  std::string counted_from;  ///< "source" or "part"; empty where the clip is no part of another
+  bool operator==(const ClipOrigin&) const = default;
+};
 
 /// Format of a clip, known before its frames are read.
 /// Frames are cv::Mat, height rows × width columns, of depth CV_8U, CV_16U or CV_32F, with 1 channel (grey)
@@ -22,6 +31,10 @@ struct ClipInfo {
   std::optional<std::int64_t> frames = {};  ///< number of frames, if known without reading
   bool fps_is_known = true;                 ///< false: nothing tells the rate, and `fps` is a guess
   std::optional<double> pixel_um = {};      ///< side of a pixel, µm, > 0, where known
+  /// Time of each frame, s, ascending, of the source's first or of the part's; empty where the frames are
+  /// evenly spaced, `fps` a second.
+  std::vector<double> times = {};
+  ClipOrigin origin = {};  ///< `times` have its seconds already
 
   bool operator==(const ClipInfo&) const = default;
 };

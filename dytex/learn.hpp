@@ -93,10 +93,12 @@ struct LearnResult {
 /// `noise_rank` B is the first columns of U S, the residuals' singular value decomposition. The
 /// decomposition goes by YᵀY = V S² Vᵀ (snapshots), which takes frames block by block.
 ///
-/// Where the least-squares A is not stable, or leaves no noise at all, A = Σ x(t+1) x(t)ᵀ S⁻² is taken
-/// (Yule–Walker), with the noise that makes the stationary covariance exactly the data's, S²/τ; a note says
-/// so, as one does where clips drawn from the model would vary 1.5 times more or less than the clip. Frames
-/// of fewer independent directions than n give fewer components, and a note.
+/// Waves without noise (all poles of the least-squares A have the modulus 1, but for rounding) keep A,
+/// brought to 1 − 1e-9, and get the noise that holds their covariance. Else, where the least-squares A is not
+/// stable, or leaves no noise at all, A = Σ x(t+1) x(t)ᵀ S⁻² is taken (Yule–Walker), with the noise that
+/// makes the stationary covariance exactly the data's, S²/τ; a note says so, as one does where clips drawn
+/// from the model would vary 1.5 times more or less than the clip. Frames of fewer independent directions
+/// than n give fewer components, and a note.
 ///
 /// The innovations forms (n4sid, prediction_error) take X as measured with noise: the state of the model is
 /// (x(t), its forecast from the frames before), N = 2n.

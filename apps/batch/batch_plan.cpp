@@ -2,7 +2,6 @@
 #include "apps/batch/batch_plan.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -15,6 +14,7 @@
 #include "core/io/files.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/reading/image_series.hpp"
+#include "core/io/tiff_pages.hpp"
 
 namespace emberfold::apps {
 
@@ -23,13 +23,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
-
-bool is_tiff(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".tif" || extension == ".tiff";
-}
 
 bool is_hidden(const fs::path& path) {
   return path.filename().string().starts_with('.');
@@ -107,7 +100,7 @@ std::vector<std::string> clips_meant(const std::string& word) {
   }
   std::vector<std::string> clips;
   for (const auto& path : matches(word)) {
-    if (io::is_image_name(path) && !is_tiff(path) && !fs::is_directory(path, error))
+    if (io::is_image_name(path) && !io::is_tiff(path) && !fs::is_directory(path, error))
       throw core::InputError(word + " fits single images, the frames of a clip; name their folders");
     const auto inner = clips_of(path);
     clips.insert(clips.end(), inner.begin(), inner.end());

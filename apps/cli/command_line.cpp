@@ -124,6 +124,8 @@ void add_reading_options(CLI::App& command, ReadingWords& words, io::ReadOptions
   add_word("--fps", words.fps, "F", "The frames were taken at this rate, whatever the file tells");
   add_word("--pixel-size", words.pixel_size, "LENGTH",
            "A stored pixel is as large as that: 0.065um (nm, um, mm, cm, m)");
+  add_word("--origin", words.origin, "source|part",
+           "Positions and times count from the source, or from the part that is read [source]");
   add_word("--levels", words.levels, "L",
            "Black and white: auto (bits or range in use), full (of the format) or LOW:HIGH");
   add_word("--channel", words.channel, "N",
@@ -220,6 +222,9 @@ io::ReadOptions check_reading(const ReadingWords& words, io::ReadOptions options
   parse_word("--roi", words.region, [&] { options.region = io::parse_region(words.region); });
   parse_word("--stabilize", words.stabilize,
              [&] { options.stabilize = io::parse_stabilize(words.stabilize); });
+  if (!words.origin.empty() && words.origin != "source" && words.origin != "part")
+    throw Misuse("--origin is " + one_line(words.origin) + "; allowed is source or part");
+  options.counts_from_part = words.origin == "part";
   parse_word("--fps", words.fps, [&] { parse_number("--fps", words.fps, options.fps.emplace()); });
   parse_word("--pixel-size", words.pixel_size,
              [&] { options.pixel_size = io::parse_length(words.pixel_size); });
@@ -235,10 +240,7 @@ io::ReadOptions check_reading(const ReadingWords& words, io::ReadOptions options
   try {
     options.validate();
   } catch (const core::InputError& error) {
-    std::string message = error.what();
-    for (const char* field : {"scale", "fps", "every", "channel", "slice"})
-      message = with_option_name(message, field);
-    throw Misuse(message);
+    misuse(error.what(), {"scale", "fps", "every", "channel", "slice"}, "");
   }
   return options;
 }

@@ -69,7 +69,7 @@ void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options);
 
 /// Options of reading that are texts to parse; empty where not given.
 struct ReadingWords {
-  std::string range, region, fps, pixel_size, levels, channel, slice, stabilize;
+  std::string range, region, fps, pixel_size, levels, channel, slice, stabilize, origin;
 };
 struct Reading {
   std::string clip;

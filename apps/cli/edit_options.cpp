@@ -64,7 +64,7 @@ void add_edit_options(CLI::App& app, EditOptions& options, Settings* settings) {
              "Move X times as fast, 0.1 to 10; --reverse runs time backwards");
   app.add_flag("--reverse", edit.reverse, "Run time backwards")->group("");
   add_looks(app, options);
-  if (settings != nullptr) options.rates = std::string(kSynthGroup) + ".";
+  if (settings != nullptr) options.rates = kSynthGroup;
   for (std::size_t i = 0; i < kRates.size(); ++i) {
     const std::string about = std::string("Multiply the rate of ") + kRates[i];
     if (settings != nullptr)
@@ -84,12 +84,10 @@ void check(EditOptions& options) {
   try {
     edit.validate();
   } catch (const core::InputError& error) {
-    std::string message = without_struct_name(error.what());
-    for (const std::string field : {"speed", "intensity", "flicker", "contrast", "wind"})
-      message = with_option_name(message, field);
-    for (const std::string field : kRates)
-      if (message.starts_with(field)) message.insert(0, options.rates);
-    throw Misuse(message);
+    const std::string message = without_struct_name(error.what());
+    if (std::ranges::any_of(kRates, [&](const char* rate) { return message.starts_with(rate); }))
+      misuse(message, {kRates.begin(), kRates.end()}, options.rates);
+    misuse(message, {"speed", "intensity", "flicker", "contrast", "wind"}, "");
   }
 }
 

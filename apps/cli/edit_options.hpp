@@ -16,7 +16,7 @@ namespace emberfold::apps {
 struct EditOptions {
   mcmc::MotionEdit edit;
   std::string strokes = "all", birth_map, wind;
-  std::string rates = "--";  ///< what stands before births, deaths … on the command line
+  std::string rates;  ///< group of --set that has births, deaths …; empty where they are options
 };
 
 /// Adds --speed, --reverse, --intensity and others, and the rates of events as --births …, or to the settings

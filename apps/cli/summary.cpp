@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "core/text/format_number.hpp"
+#include "graph/io/units_json.hpp"
 
 namespace emberfold::apps {
 
@@ -33,16 +34,18 @@ void write_summary(io::OutputFolder& output, const Json& summary) {
 }
 
 Json clip_json(const std::string& clip, const core::ClipInfo& info, int frames) {
-  return {{"name", clip},
-          {"width", info.width},
-          {"height", info.height},
-          {"channels", info.channels},
-          {"fps", info.fps},
-          {"frames", frames},
-          {"fps_is_known", info.fps_is_known},
-          {"pixel_um", info.pixel_um ? Json(*info.pixel_um) : Json(nullptr)},
-          {"bits", CV_ELEM_SIZE1(info.depth) * 8},
-          {"white", info.white}};
+  Json json = {{"name", clip},
+               {"width", info.width},
+               {"height", info.height},
+               {"channels", info.channels},
+               {"fps", info.fps},
+               {"frames", frames},
+               {"fps_is_known", info.fps_is_known},
+               {"pixel_um", info.pixel_um ? Json(*info.pixel_um) : Json(nullptr)},
+               {"bits", CV_ELEM_SIZE1(info.depth) * 8},
+               {"white", info.white}};
+  graph::add_units(json, graph::units_of(info));
+  return json;
 }
 
 namespace {
@@ -65,6 +68,7 @@ Json reading_json(const io::ReadOptions& read) {
   if (read.fps) out["fps"] = *read.fps;
   if (read.pixel_size) out["pixel_um"] = *read.pixel_size;
   if (!read.mask.empty()) out["mask"] = read.mask;
+  if (read.counts_from_part) out["origin"] = "part";
   if (read.stabilize != io::Stabilize::none) out["stabilize"] = io::name(read.stabilize);
   if (read.channel) out["channel"] = *read.channel;
   if (read.slice) out["slice"] = *read.slice;

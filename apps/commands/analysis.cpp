@@ -51,7 +51,7 @@ void write_data(io::OutputFolder& output, const pipeline::Analysis& found,
     output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
   }
   write_events(output, found, units);
-  output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion); });
+  output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, motion, units); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, motion, units); });
   output.write("named_events.csv",
                [&](std::ostream& out) { graph::write_named_events(out, events, found.contacts, units); });
@@ -252,8 +252,9 @@ Pictures write_pictures(core::FrameSource& source, const pipeline::Analysis& fou
 }  // namespace
 
 void write_events(io::OutputFolder& output, const pipeline::Analysis& found, const graph::Units& units) {
-  output.write("events.json", [&](std::ostream& out) { graph::write_events(out, found.events); });
-  output.write("events_all.json", [&](std::ostream& out) { graph::write_events(out, found.all_events); });
+  output.write("events.json", [&](std::ostream& out) { graph::write_events(out, found.events, units); });
+  output.write("events_all.json",
+               [&](std::ostream& out) { graph::write_events(out, found.all_events, units); });
   output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, found.events, units); });
 }
 
@@ -272,7 +273,11 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
     session.console.plan(estimate->stages);
   }
   pipeline::AnalyzeOptions asked = static_cast<const pipeline::AnalyzeOptions&>(options);
+  const auto& origin = source->info().origin;
   asked.seed = session.common.seed, asked.clip = made.clip;
+  if (asked.review)
+    for (auto& one : *asked.review)
+      one.event.position = one.event.position - graph::Point{origin.x, origin.y};
   const auto memory = std::make_shared<io::MappedMemory>(output.path());
   made.found = pipeline::analyze(*source, asked, session.context.with_memory(memory), stages);
   const auto& found = made.found;
@@ -281,7 +286,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   if (stages != nullptr) made.found.model.footage.reset();  // the run's folder has it
   core::return_freed_memory();
   if (stages == nullptr) io::write_model(output, "model", to_archive(found.model));
-  const auto units = units_of(source->info());
+  const auto units = graph::units_of(source->info());
   const auto lives = graph::stroke_lives(found.motion);
   const auto changes = graph::topology_changes(found.motion);
   write_data(output, found, changes, options.jsonl, units);

@@ -13,9 +13,9 @@
 #include "apps/cli/summary.hpp"
 #include "apps/commands/analyze_options.hpp"
 #include "apps/runs/run_folder.hpp"
-#include "apps/units/event_units.hpp"
 #include "core/io/files.hpp"
 #include "graph/io/review_io.hpp"
+#include "graph/io/units.hpp"
 
 namespace emberfold::apps {
 
@@ -75,7 +75,7 @@ Json make_run(const Analyze& asked, const AnalyzeOptions& options, const std::op
     note_begun(asked.output);
     stages.emplace(asked.output, keys->stages);
     stages->on_events = [&](const pipeline::Analysis& found, const core::ClipInfo& info) {
-      publish_events(asked, found, units_of(info), session);
+      publish_events(asked, found, graph::units_of(info), session);
     };
   }
   auto analysis =

@@ -38,9 +38,7 @@ BenchmarkOptions check_asked(const BenchEvents& asked) {
   try {
     options.validate();
   } catch (const core::InputError& error) {
-    std::string message = without_struct_name(error.what());
-    for (const char* field : {"scenes", "frames"}) message = with_option_name(message, field);
-    throw Misuse(message);
+    misuse(error.what(), {"scenes", "frames"}, "");
   }
   return options;
 }

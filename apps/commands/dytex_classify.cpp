@@ -47,11 +47,9 @@ void check(Classify& asked, const Session& session) {
     asked.options.validate();
     asked.kernel.validate();
   } catch (const core::InputError& error) {
-    std::string message = without_struct_name(error.what());
-    for (const char* field : {"pieces", "components", "scale", "discount"})
-      message = with_option_name(message, field);
-    if (message.starts_with("columns") || message.starts_with("rows")) message = "--blocks: " + message;
-    throw Misuse(message);
+    const std::string message = without_struct_name(error.what());
+    if (message.starts_with("columns") || message.starts_with("rows")) throw Misuse("--blocks: " + message);
+    misuse(message, {"pieces", "components", "scale", "discount"}, "");
   }
   if (asked.folds < 0 || asked.folds == 1)
     throw Misuse("--folds is " + std::to_string(asked.folds) +

@@ -7,6 +7,7 @@
 #include "apps/cli/interrupt.hpp"
 #include "apps/commands/dytex.hpp"
 #include "core/clip.hpp"
+#include "core/io/mask_file.hpp"
 
 namespace emberfold::apps {
 
@@ -21,7 +22,7 @@ std::string with_em_names(const std::string& message) {
 void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked) {
   auto& options = asked.options;
   command.add_flag("--em", asked.em, "Improve the closed form to the most likely model, by EM");
-  command.add_option("--missing", asked.missing, "Ignore CLIP where this clip is white (implies --em)")
+  command.add_option("--missing", asked.missing, "Ignore CLIP where this clip is not 0 (implies --em)")
       ->type_name("MASK");
   command
       .add_option("--filled", asked.filled,
@@ -57,9 +58,12 @@ EmStage::EmStage(const EmRequest& asked, core::FrameSource& source, const io::Re
                  Session& session)
     : asked_(asked), source_(source), session_(session) {
   if (asked.missing.empty()) return;
-  const auto mask = open_clip(asked.missing, read.beside(), session);
+  io::ReadOptions reading = read.beside();
+  reading.grey = true;
+  const bool is_lossy = read.scale != 1 || io::is_lossy_mask(asked.missing);
+  io::MaskSource mask(open_clip(asked.missing, reading, session), is_lossy);
   try {
-    missing_ = dytex::Missing(*mask, source.info(), session.context);
+    missing_ = dytex::Missing(mask, source.info(), session.context);
     session.check_stop();
     held_ = std::make_unique<dytex::HeldSource>(source, missing_, session.context);
     session.check_stop();

@@ -286,7 +286,7 @@ void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
   auto* order = add_words(*command, "--order", asked->order, kOrders,
                           "Find the number of components: auto, gavish-donoho or held-out");
   order->excludes(components)->excludes(energy);
-  auto* mask = command->add_option("--mask", asked->mask, "Learn only where this image is white");
+  auto* mask = command->add_option("--mask", asked->mask, "Learn only where this image is not 0");
   mask->type_name("MASK");
   const auto settings = add_settings(*command, line);
   add_model_options(*command, *settings, *asked);

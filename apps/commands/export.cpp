@@ -13,6 +13,7 @@
 #include "graph/io/curve_tables.hpp"
 #include "graph/io/motion_io.hpp"
 #include "graph/io/network_table.hpp"
+#include "graph/io/units_json.hpp"
 #include "pipeline/stages/kept_motion.hpp"
 
 namespace emberfold::apps {
@@ -66,8 +67,9 @@ FinishedRun read_finished_run(const fs::path& folder) {
     run.clip.width = clip.at("width"), run.clip.height = clip.at("height"),
     run.clip.frames = clip.at("frames");
     run.clip.fps = clip.at("fps");
-    if (clip.at("fps_is_known").get<bool>() && run.clip.fps > 0) run.clip.units.seconds = 1 / run.clip.fps;
-    if (clip.at("pixel_um").is_number()) run.clip.units.um = clip.at("pixel_um").get<double>();
+    run.clip.units = graph::read_units(clip);
+    const auto& origin = run.clip.units.origin;
+    run.events = graph::moved(std::move(run.events), {-origin.x, -origin.y});
   } catch (const nlohmann::json::exception&) {
     throw core::IoError((folder / "summary.json").string() + " is no summary of analyze");
   }
@@ -90,7 +92,8 @@ void write_tables(const FinishedRun& run, io::OutputFolder& output) {
   const auto& units = run.clip.units;
   output.write("events.csv", [&](std::ostream& out) { graph::write_events_csv(out, run.events, units); });
   output.write("strokes.csv", [&](std::ostream& out) { graph::write_strokes(out, run.motion, units); });
-  output.write("trajectories.csv", [&](std::ostream& out) { graph::write_trajectories(out, run.motion); });
+  output.write("trajectories.csv",
+               [&](std::ostream& out) { graph::write_trajectories(out, run.motion, units); });
   output.write("curves.csv", [&](std::ostream& out) { graph::write_curves(out, run.motion, units); });
   output.write("lives.csv",
                [&](std::ostream& out) { graph::write_lives(out, graph::stroke_lives(run.motion), units); });

@@ -28,7 +28,7 @@ void add_options(CLI::App& command, Asked& asked) {
   command.add_option("--also", asked.others, "Take blocks from this clip too; may be repeated")
       ->type_name("CLIP");
   command
-      .add_option("--mask", request.masks, "Do not copy the white pixels of this image; one for each clip")
+      .add_option("--mask", request.masks, "Do not copy pixels where this image is not 0; one for each clip")
       ->type_name("IMAGE");
   command.add_option("--guide", request.guide, "Follow the brightness of this image")->type_name("IMAGE");
   command.add_option("--apply", request.apply, "Render this map, the layout of another quilt")

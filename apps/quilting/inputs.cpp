@@ -10,6 +10,7 @@
 #include "apps/builtin/open_clip.hpp"
 #include "apps/cli/interrupt.hpp"
 #include "core/io/image_files.hpp"
+#include "core/io/mask_file.hpp"
 #include "core/text/size_text.hpp"
 #include "dytex/quilting/flatten.hpp"
 #include "dytex/quilting/render.hpp"
@@ -141,12 +142,12 @@ std::vector<dytex::QuiltSource> quilt_sources(const QuiltClips& clips, const Qui
   std::vector<dytex::QuiltSource> sources;
   for (const auto* held : clips.loaded()) sources.push_back({held, {}, {}});
   for (std::size_t i = 0; i < request.masks.size(); ++i) {
-    const cv::Mat mask = luma_image(request.masks[i]);
+    const cv::Mat mask = io::read_inside(request.masks[i]);
     const cv::Size size = sources[i].trajectories->size();
     if (mask.size() != size)
       throw core::InputError(request.masks[i] + " has " + core::size_text(mask.size()) + " pixels, " +
                              request.clips[i] + " " + core::size_text(size));
-    sources[i].forbidden = mask > 127;
+    sources[i].forbidden = mask;
   }
   if (request.guide.empty()) return sources;
   for (auto& source : sources) source.guide = mean_luma(*source.trajectories);

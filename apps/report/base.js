@@ -1,6 +1,7 @@
 /** A colour of the style sheet, which knows whether the screen is light or dark. */
 const themed = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 const clip = data.clip, summary = data.summary, classes = data.classes;
+const corner = summary.clip?.counted_from ?? {x: 0, y: 0};  // added to positions in words and tables
 
 const number = (value, digits = 0) =>
   value === null || value === undefined ? "\u2013"

@@ -66,7 +66,7 @@ function drawViewer() {
       if (events.frame[i] === events.frame[selected] && i !== selected && passes(i)) drawEventMark(svg, i, unit, false);
   drawEventMark(svg, selected, unit, true);
   const frame = events.frame[selected], type = classes[events.type[selected]].name;
-  $("event-title").replaceChildren(glyph(events.type[selected]), ` ${type} at frame ${frame}, (${events.x[selected]}, ${events.y[selected]})`);
+  $("event-title").replaceChildren(glyph(events.type[selected]), ` ${type} at frame ${frame}, (${+(events.x[selected] + corner.x).toFixed(1)}, ${+(events.y[selected] + corner.y).toFixed(1)})`);
   $("event-caption").textContent =
     (shown.frame === frame ? `Frame ${frame}. ` : `Frame ${shown.frame} is shown, the nearest that this page carries to frame ${frame}. `) +
     `Strokes before: ${strokeNames(events.before[selected])}; after: ${strokeNames(events.after[selected])}.` +
@@ -102,7 +102,7 @@ function showTable() {
   },
   make("td", {}, String(events.frame[i])),
   make("td", {}, glyph(events.type[i]), " " + classes[events.type[i]].name),
-  make("td", {class: "number"}, number(events.x[i], 1)), make("td", {class: "number"}, number(events.y[i], 1)),
+  make("td", {class: "number"}, number(events.x[i] + corner.x, 1)), make("td", {class: "number"}, number(events.y[i] + corner.y, 1)),
   make("td", {class: "number"}, number(events.p[i], 2)),
   make("td", {}, strokeNames(events.before[i])), make("td", {}, strokeNames(events.after[i])))));
   if (!rows.length) body.append(make("tr", {}, make("td", {colspan: 7, class: "empty"}, "No event passes.")));

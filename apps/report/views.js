@@ -6,7 +6,7 @@ function plainTable(caption, head, lines) {
 }
 
 function buildHead() {
-  $("meta").textContent = `${clip.width} \u00d7 ${clip.height} px \u00b7 ${plural(clip.frames, "frame")} \u00b7 ${number(clip.fps, clip.fps % 1 ? 2 : 0)} frames a second${summary.clip?.fps_is_known === false ? " (taken, not known)" : ""} \u00b7 ${number(clip.frames / clip.fps, 1)} s${summary.clip?.pixel_um ? ` \u00b7 ${number(summary.clip.pixel_um, 4)} \u00b5m a pixel` : ""}`;
+  $("meta").textContent = `${clip.width} \u00d7 ${clip.height} px \u00b7 ${plural(clip.frames, "frame")} \u00b7 ${number(clip.fps, clip.fps % 1 ? 2 : 0)} frames a second${summary.clip?.fps_is_known === false ? " (taken, not known)" : ""} \u00b7 ${number(clip.frames / clip.fps, 1)} s${summary.clip?.pixel_um ? ` \u00b7 ${number(summary.clip.pixel_um, 4)} \u00b5m a pixel` : ""}${summary.clip?.counted_from ? ` \u00b7 positions count from the ${corner.origin}` : ""}`;
   for (const warning of summary.warnings ?? []) $("warnings").append(make("p", {class: "note"}, warning));
   const tiles = [], figures = summary.sketch ?? {}, count = data.events.total;
   const tile = (name, value, unit, below) => tiles.push(make("div", {}, make("dt", {}, name),

@@ -27,12 +27,13 @@ double doubt(const graph::Event& event) {
   return -std::abs(event.probability - 0.5);
 }
 
-Json event_json(const graph::Event& event) {
+/// The event as review.json has it, counted as the tables count.
+Json event_json(const graph::Event& event, const core::ClipOrigin& origin) {
   constexpr int kDigits = 8;
   return {{"frame", event.frame},
           {"type", graph::name(event.type)},
-          {"x", core::round_significant(event.position.x, kDigits)},
-          {"y", core::round_significant(event.position.y, kDigits)},
+          {"x", core::round_significant(event.position.x + origin.x, kDigits)},
+          {"y", core::round_significant(event.position.y + origin.y, kDigits)},
           {"probability", event.probability}};
 }
 
@@ -62,7 +63,8 @@ Json class_list() {
 /// The events that the page has no picture of, and answers to what is not among the events: they go through
 /// it as they are.
 Json other_events(std::span<const graph::Event> events, const std::vector<bool>& has_strip,
-                  std::span<const graph::ReviewedEvent> answers, const std::vector<std::size_t>& said) {
+                  std::span<const graph::ReviewedEvent> answers, const std::vector<std::size_t>& said,
+                  const core::ClipOrigin& origin) {
   std::vector<std::size_t> rest;
   std::vector<bool> is_known(answers.size() + 1, false);
   for (std::size_t k = 0; k < events.size(); ++k) {
@@ -74,12 +76,12 @@ Json other_events(std::span<const graph::Event> events, const std::vector<bool>&
   if (rest.size() > kMostOthers) rest.resize(kMostOthers);
   Json others = Json::array();
   for (const std::size_t k : rest) {
-    others.push_back(event_json(events[k]));
+    others.push_back(event_json(events[k], origin));
     if (said[k] < answers.size()) others.back()["answer"] = answer_json(answers[said[k]]);
   }
   for (std::size_t k = 0; k < answers.size(); ++k) {
     if (is_known[k] || answers[k].answer == graph::Answer::none) continue;
-    others.push_back(event_json(answers[k].event));
+    others.push_back(event_json(answers[k].event, origin));
     others.back()["answer"] = answer_json(answers[k]);
   }
   return others;
@@ -112,15 +114,15 @@ std::string make_review_page(core::FrameSource& source, const std::string& clip,
       std::clamp(kReviewBytes / std::max<std::size_t>(1, shown.size()), kLeastBytes, kMostBytes);
   const auto strips = draw_event_strips(source, shown, bytes, session);
   const auto said = graph::find_answers(events, answers);
+  const auto& info = source.info();
   Json list = Json::array();
   for (std::size_t k = 0; k < shown.size(); ++k) {
-    Json one = event_json(shown[k]);
+    Json one = event_json(shown[k], info.origin);
     const std::size_t entry = said[chosen[k]];
     if (entry < answers.size()) one["answer"] = answer_json(answers[entry]);
     one["strip"] = data_uri(strips[k]);
     list.push_back(std::move(one));
   }
-  const auto& info = source.info();
   const Json data = {{"clip",
                       {{"name", clip},
                        {"width", info.width},
@@ -132,7 +134,7 @@ std::string make_review_page(core::FrameSource& source, const std::string& clip,
                      {"cells", kStripFrames},
                      {"reach", strip_reach(info)},
                      {"events", std::move(list)},
-                     {"others", other_events(events, has_strip, answers, said)}};
+                     {"others", other_events(events, has_strip, answers, said, info.origin)}};
   const auto title = Json::parse(Json(clip).dump(-1, ' ', false, Json::error_handler_t::replace));
   return fill_in(kReviewTemplate, {{"title", escape_html(title.get<std::string>())},
                                    {"style", kReviewStyle},

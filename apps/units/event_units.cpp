@@ -29,48 +29,45 @@ Json interval_json(const core::Interval& interval) {
           {"high", number_json(interval.high)}};
 }
 
-/// Sum of the lengths of all strokes in all frames but the first, px.
-double stroke_length(const graph::MotionGraph& motion) {
+/// Sum of the lengths of all strokes in all frames but the first, each for the time since the frame before,
+/// px s.
+double stroke_length(const graph::MotionGraph& motion, const graph::Units& units) {
   double sum = 0;
   for (std::size_t t = 1; t < motion.sketch.frames.size(); ++t) {
     const auto& graph = motion.sketch.frames[t];
+    double length = 0;
     for (const auto& edge : graph.edges())
-      sum += graph::distance(graph.patch(graph.index_of(edge.a)).position,
-                             graph.patch(graph.index_of(edge.b)).position);
+      length += graph::distance(graph.patch(graph.index_of(edge.a)).position,
+                                graph.patch(graph.index_of(edge.b)).position);
+    sum += length * units.span(static_cast<int>(t) - 1, static_cast<int>(t));
   }
   return sum;
 }
 
-/// Median, and the values that 5 % lie below and above, each times a factor.
-void add_spread(Json& out, const std::vector<double>& sorted, double factor, const std::string& suffix) {
+/// Adds the median, and the values that 5 % are below and above.
+void add_spread(Json& out, std::vector<double> values, const std::string& suffix) {
+  std::ranges::sort(values);
   const auto at = [&](double share) {
-    const double place = share * static_cast<double>(sorted.size() - 1);
-    const auto low = static_cast<std::size_t>(place), high = std::min(low + 1, sorted.size() - 1);
-    return std::lerp(sorted[low], sorted[high], place - std::floor(place)) * factor;
+    const double place = share * static_cast<double>(values.size() - 1);
+    const auto low = static_cast<std::size_t>(place), high = std::min(low + 1, values.size() - 1);
+    return std::lerp(values[low], values[high], place - std::floor(place));
   };
   out["median" + suffix] = number_json(at(0.5));
   out["low" + suffix] = number_json(at((1 - kLevel) / 2));
   out["high" + suffix] = number_json(at((1 + kLevel) / 2));
 }
 
-Json spread_json(std::vector<double> values, const char* unit, const std::optional<double>& factor,
+/// Returns the spread of values, and of the same in units of the world where these are known.
+Json spread_json(const std::vector<double>& values, const char* unit, const std::vector<double>& in_world,
                  const std::string& suffix) {
   if (values.empty()) return nullptr;
-  std::ranges::sort(values);
   Json out = {{"unit", unit}, {"strokes", values.size()}};
-  add_spread(out, values, 1, "");
-  if (factor) add_spread(out, values, *factor, suffix);
+  add_spread(out, values, "");
+  if (!in_world.empty()) add_spread(out, in_world, suffix);
   return out;
 }
 
 }  // namespace
-
-graph::Units units_of(const core::ClipInfo& info) {
-  graph::Units units;
-  if (info.fps_is_known) units.seconds = 1 / info.fps;
-  units.um = info.pixel_um;
-  return units;
-}
 
 Json event_rates_json(const std::vector<graph::Event>& events, const graph::MotionGraph& motion,
                       const graph::Units& units, double share) {
@@ -78,11 +75,11 @@ Json event_rates_json(const std::vector<graph::Event>& events, const graph::Moti
   const auto& sketch = motion.sketch;
   const auto frames = static_cast<double>(std::max<std::size_t>(2, sketch.frames.size()) - 1);
   std::optional<double> seconds, area, length;
-  if (units.seconds) seconds = frames * *units.seconds;
+  if (units.seconds) seconds = units.span(0, static_cast<int>(frames));
   if (seconds && units.um) {
     const double mm = *units.um / kUmInMm;
     area = *seconds * sketch.width * sketch.height * share * mm * mm;
-    length = *units.seconds * stroke_length(motion) * mm;
+    length = stroke_length(motion, units) * mm;
   }
   const auto rates = [&](double count) {
     const auto rate = [&](const std::optional<double>& exposure) {
@@ -111,19 +108,23 @@ Json event_rates_json(const std::vector<graph::Event>& events, const graph::Moti
 }
 
 Json lives_json(const std::vector<graph::StrokeLife>& lives, const graph::Units& units) {
-  std::vector<double> life, length, growth, speed;
+  std::vector<double> life, length, growth, speed, life_s, length_um, growth_um_s, speed_um_s;
   for (const auto& one : lives) {
     if (one.whole) life.push_back(one.frames());
+    if (one.whole && units.seconds) life_s.push_back(units.span(one.first, one.last + 1));
     length.push_back(one.length);
-    if (one.frames() > 1) growth.push_back(one.growth), speed.push_back(one.speed);
+    if (units.um) length_um.push_back(one.length * *units.um);
+    if (one.frames() == 1) continue;
+    growth.push_back(one.growth), speed.push_back(one.speed);
+    if (!units.um || !units.seconds) continue;
+    const double both = *units.um / units.step(one.first, one.last);
+    growth_um_s.push_back(one.growth * both), speed_um_s.push_back(one.speed * both);
   }
-  std::optional<double> both;
-  if (units.seconds && units.um) both = *units.um / *units.seconds;
   return {{"level", kLevel},
-          {"life", spread_json(life, "frames", units.seconds, "_s")},
-          {"length", spread_json(length, "px", units.um, "_um")},
-          {"growth", spread_json(growth, "px a frame", both, "_um_s")},
-          {"speed", spread_json(speed, "px a frame", both, "_um_s")}};
+          {"life", spread_json(life, "frames", life_s, "_s")},
+          {"length", spread_json(length, "px", length_um, "_um")},
+          {"growth", spread_json(growth, "px a frame", growth_um_s, "_um_s")},
+          {"speed", spread_json(speed, "px a frame", speed_um_s, "_um_s")}};
 }
 
 Json rate_tests_json(const std::vector<double>& counts_a, double exposure_a,

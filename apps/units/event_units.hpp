@@ -5,17 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/clip.hpp"
 #include "graph/events/events.hpp"
 #include "graph/io/unit_tables.hpp"
+#include "graph/io/units.hpp"
 #include "graph/motion_graph.hpp"
 
 // Rates of events and lives of strokes in frames and pixels, and in seconds and lengths where a clip's are
 // known.
 namespace emberfold::apps {
-
-/// Returns what a frame and a pixel of the clip are.
-graph::Units units_of(const core::ClipInfo& info);
 
 /// Returns {"level", "counted_in": {"frames", "s", "s_mm2", "s_mm"} (gaps between frames; seconds times area
 /// and times length of stroke), "classes": {class and "all": {"count", "a_frame", "a_second",

@@ -13,6 +13,7 @@ class ClipRange final : public core::FrameSource {
   ClipRange(core::FrameSource& source, std::int64_t first, std::int64_t last)
       : source_(source), first_(first), last_(last), info_(source.info()) {
     info_.frames = last - first;
+    if (!info_.times.empty()) info_.times = {info_.times.begin() + first, info_.times.begin() + last};
   }
   [[nodiscard]] const core::ClipInfo& info() const override { return info_; }
   cv::Mat next() override {

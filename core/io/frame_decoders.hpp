@@ -25,13 +25,15 @@ class FrameDecoder : public core::FrameSource {
 /// itself is grey. `info().frames` is what the container claims until the end was reached once, then what was
 /// read. Throws core::IoError: no such file, no video, no frame that can be decoded, frames that change size.
 /// A file that ends before its container claims (by two frames or more) is used as far as it goes, with a
-/// warning; frames that are not evenly spaced in time are told once.
+/// warning. Where frames are not evenly spaced in time and no rate is given, `info().times` has the time of
+/// each, up to the end of the range, with a warning. Pixels that are not square are resampled to square ones,
+/// with a warning.
 std::unique_ptr<FrameDecoder> decode_video(const std::filesystem::path& path, const ReadOptions& options,
                                            const core::Warn& warn);
 
 /// Opens images, one a frame, of 8 bits, 16 bits or floats (TIFF). Alpha is dropped, of a TIFF with several
 /// pages the first is taken, and of several grey samples a pixel the first or that of options.channel, each
-/// with one warning; so are numbers that are missing in the files' names. The first file tells size, depth,
+/// with one warning; so are numbers that are missing in the files' names. The first file sets size, depth,
 /// channels and the size of a pixel; grey files in a colour clip are spread to three channels. Throws
 /// core::IoError, naming the file: unreadable, cut off, of another size or depth than the first, colour in a
 /// grey clip (unless options.grey, which turns every file to luma). Floats may be no finite numbers;

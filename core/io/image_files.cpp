@@ -174,9 +174,9 @@ bool natural_less(std::string_view a, std::string_view b) {
 }
 
 bool is_image_name(const fs::path& path) {
-  static const std::set<std::string> known = {".bmp", ".dib", ".jp2",  ".jpe", ".jpeg", ".jpg",
-                                              ".pbm", ".pgm", ".png",  ".pnm", ".ppm",  ".ras",
-                                              ".sr",  ".tif", ".tiff", ".webp"};
+  static const std::set<std::string> known = {".bmp", ".dib", ".jp2", ".jpe",  ".jpeg", ".jpg",
+                                              ".pbm", ".pgm", ".png", ".pnm",  ".ppm",  ".ras",
+                                              ".sr",  ".stk", ".tif", ".tiff", ".webp"};
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

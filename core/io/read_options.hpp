@@ -14,10 +14,10 @@ namespace emberfold::io {
 /// Says which values of a clip of 16 bits or floats are black and white.
 struct Levels {
   enum class Kind {
-    used,    ///< black is 0, white the largest number in as many bits as the brightest value needs; other
+    used,    ///< black is 0, white the largest number of the bits that the brightest value needs; other
              ///< ranges where that would hide the picture (find_levels)
     full,    ///< all that the format holds: 0…65535; of floats from the smallest to the largest value
-    given,   ///< from `low` to `high`, for 8 bits too; what lies outside becomes black or white
+    given,   ///< from `low` to `high`, for 8 bits too; what is outside becomes black or white
     stored,  ///< as `used`, but no value is ever moved or cut: masks, probabilities
   };
   Kind kind = Kind::used;
@@ -50,6 +50,7 @@ struct ReadOptions {
   std::optional<Region> region;
   std::string mask;  ///< image or clip, as large as the clip as stored: structure counts where it is not 0
   Stabilize stabilize = Stabilize::none;
+  bool counts_from_part = false;  ///< positions and times: from `first` and `region`, not from the source
 
   /// Returns what checks and help say of the field that is a plain number.
   static auto fields() {

@@ -215,6 +215,19 @@ class TiffReader {
     return below > 0 ? static_cast<double>(number(std::span(all).first(4))) / below : 0;
   }
 
+  /// Times of the pictures of a MetaMorph stack: six numbers each, of which the third is the day and the
+  /// fourth the ms of that day; nothing where the file ends before.
+  std::vector<double> stack_times(const Entry& entry) {
+    constexpr std::uint64_t kPicture = 24, kDay = 8, kMs = 12;  // bytes
+    if (entry.at > size_ || entry.count > (size_ - entry.at) / kPicture) return {};
+    const auto all = bytes(entry.at, kPicture * entry.count);
+    std::vector<double> times;
+    for (std::uint64_t at = 0; at < all.size(); at += kPicture)
+      times.push_back(86400. * static_cast<double>(number(std::span(all).subspan(at + kDay, 4))) +
+                      static_cast<double>(number(std::span(all).subspan(at + kMs, 4))) / 1000);
+    return times;
+  }
+
   std::string text(const Entry& entry) {
     description_is_lost_ = entry.at > size_ || entry.count > size_ - entry.at;
     if (entry.type != kText || description_is_lost_) return {};
@@ -244,7 +257,7 @@ class TiffReader {
     if (entry.tag == kStripOffsets || entry.tag == kTileOffsets) offsets = values(entry);
     if (entry.tag == kStripBytes || entry.tag == kTileBytes) sizes = values(entry);
     if (entry.tag == kExtra) page.extra = values(entry);
-    if (entry.tag == kStack) page.stacked = entry.count;
+    if (entry.tag == kStack) page.stacked = entry.count, page.times = stack_times(entry);
     if (entry.tag == kDescription && is_first_) page.description = text(entry);
     if (entry.tag == kResolutionX) page.pixels_a_unit = ratio(entry);
     if (entry.tag == kResolutionY && page.pixels_a_unit > 0)

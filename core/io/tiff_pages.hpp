@@ -26,6 +26,7 @@ struct TiffPage {
   std::uint64_t head = 0;            ///< position of its head in the file
   std::uint64_t offset = 0;          ///< position of its first strip or tile
   std::uint64_t stacked = 1;         ///< pictures of a MetaMorph stack, which has one head
+  std::vector<double> times;         ///< of these pictures, s; empty: unknown
   std::vector<std::uint64_t> extra;  ///< of the last samples: 1, 2: alpha, 0: unknown
   std::optional<int> sample;         ///< the only one to be read; none: all that make the picture
   std::optional<double> white;       ///< where 0 is white: what becomes 0; none: all that the bits hold, 1

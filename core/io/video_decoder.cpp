@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -119,7 +120,7 @@ class FrameStream {
     if (codec == nullptr) refuse(path);
     codec_.reset(avcodec_alloc_context3(codec));
     if (avcodec_parameters_to_context(codec_.get(), stream_->codecpar) < 0) refuse(path);
-    codec_->thread_count = 0;  // as many as there are processors; the frames are the same
+    codec_->thread_count = 0;  // one for each processor; the frames are the same
     codec_->pkt_timebase = stream_->time_base;
     if (avcodec_open2(codec_.get(), codec, nullptr) < 0) refuse(path);
     frame_.reset(av_frame_alloc());
@@ -139,10 +140,45 @@ class FrameStream {
     }
   }
 
-  /// Seconds of the frame from the beginning of time in this stream, where it has a time.
-  [[nodiscard]] std::optional<double> time() const {
-    if (frame_->best_effort_timestamp == AV_NOPTS_VALUE) return std::nullopt;
-    return static_cast<double>(frame_->best_effort_timestamp) * av_q2d(stream_->time_base);
+  /// Returns the times of the stream's next packets that are to be shown, s, at most `count`, ascending;
+  /// nothing where one has no time.
+  std::vector<double> packet_times(std::size_t count) {
+    std::vector<double> times;
+    for (; times.size() < count && av_read_frame(container_.get(), packet_.get()) >= 0;
+         av_packet_unref(packet_.get())) {
+      if (packet_->stream_index != stream_->index || packet_->size == 0 ||
+          (packet_->flags & AV_PKT_FLAG_DISCARD) != 0)
+        continue;
+      if (packet_->pts == AV_NOPTS_VALUE) return {};
+      times.push_back(static_cast<double>(packet_->pts) * tick());
+    }
+    std::ranges::sort(times);
+    return times;
+  }
+
+  /// Returns the times of the next frames, s, at most `count`; nothing where one has none or comes before
+  /// its predecessor.
+  std::vector<double> frame_times(std::size_t count) {
+    std::vector<double> times;
+    while (times.size() < count && advance()) {
+      const auto& stamp = frame_->best_effort_timestamp;
+      if (stamp == AV_NOPTS_VALUE) return {};
+      times.push_back(static_cast<double>(stamp) * tick());
+    }
+    return std::ranges::is_sorted(times) ? times : std::vector<double>();
+  }
+
+  /// Returns whether times, s, are those of the stream's rate, as far as its ticks and a rounded rate allow.
+  [[nodiscard]] bool are_even(const std::vector<double>& times) const {
+    constexpr double kExact = 1e-3, kOfInterval = 0.01, kOfRate = 1e-4;  // ticks; shares
+    const double interval = 1 / rate(), ticks = interval / tick();
+    const bool is_rounded = std::abs(ticks - std::round(ticks)) > kExact * ticks || ticks < 1 - kExact;
+    const double rounding = is_rounded ? (1 + kExact) * tick() : kOfInterval * interval;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const double expected = static_cast<double>(i) * interval;
+      if (std::abs(times[i] - times[0] - expected) > rounding + kOfRate * expected) return false;
+    }
+    return true;
   }
 
   /// Width to height of a pixel, as the frame or else the container has it; 0:1 where neither does.
@@ -169,6 +205,8 @@ class FrameStream {
   }
 
  private:
+  [[nodiscard]] double tick() const { return av_q2d(stream_->time_base); }
+
   [[noreturn]] static void refuse(const fs::path& path) {
     throw core::IoError("cannot read " + path.string() + ": it is no video that FFmpeg can open");
   }
@@ -200,19 +238,20 @@ class FrameStream {
 
 class VideoFileDecoder final : public FrameDecoder {
  public:
-  VideoFileDecoder(const fs::path& path, const core::Warn& warn) : path_(path), warn_(warn) {
+  VideoFileDecoder(const fs::path& path, const ReadOptions& options, const core::Warn& warn)
+      : path_(path), warn_(warn) {
     open();
     take_rate();
     claimed_ = stream_->claimed();
+    if (!options.fps && info_.fps_is_known) take_times(options.last);
     info_.frames = claimed_;
-    first_ = advance() ? converted() : cv::Mat();
+    first_ = stream_->advance() ? converted() : cv::Mat();
     if (first_.empty())
       throw core::IoError("cannot read " + path_.string() + ": not one frame of it can be decoded");
     info_.width = first_.cols, info_.height = first_.rows;
     info_.channels = first_.channels();
     info_.depth = first_.depth();
     if (info_.depth == CV_16U) info_.white = 65535;
-    check_shape();
   }
 
   [[nodiscard]] const core::ClipInfo& info() const override { return info_; }
@@ -221,7 +260,7 @@ class VideoFileDecoder final : public FrameDecoder {
     cv::Mat frame;
     if (!first_.empty())
       frame = std::exchange(first_, {});
-    else if (ended_ || !advance())
+    else if (ended_ || !stream_->advance())
       return end();
     else
       frame = converted();
@@ -232,7 +271,7 @@ class VideoFileDecoder final : public FrameDecoder {
   bool skip() override {
     if (!first_.empty())
       first_.release();
-    else if (ended_ || !advance())
+    else if (ended_ || !stream_->advance())
       return !end().empty();
     ++position_;
     return true;
@@ -249,7 +288,6 @@ class VideoFileDecoder final : public FrameDecoder {
  private:
   void open() {
     stream_.reset();
-    time_.reset();
     stream_.emplace(path_);
     turn_ = stored_turn(stream_->stream());
   }
@@ -260,10 +298,26 @@ class VideoFileDecoder final : public FrameDecoder {
     if (!info_.fps_is_known) info_.fps = kGuessedRate;
   }
 
-  bool advance() {
-    if (!stream_->advance()) return false;
-    check_time();
-    return true;
+  /// Finds the time of each frame, up to the end of the range, where they are not evenly spaced. The packets
+  /// show whether they are, only decoding shows which are frames.
+  void take_times(const std::optional<std::int64_t>& last) {
+    constexpr std::size_t kReordered = 64;  // packets: frames are stored at most 16 out of order
+    constexpr std::size_t kAll = std::size_t{1} << 40;
+    const std::size_t count = last ? static_cast<std::size_t>(*last) : kAll;
+    if (stream_->are_even(FrameStream(path_).packet_times(count + kReordered))) return;
+    auto times = FrameStream(path_).frame_times(count);
+    if (times.size() < 2 || stream_->are_even(times)) return;
+    if (!last) claimed_ = std::ssize(times);
+    double least = times[1] - times[0], most = least;
+    for (std::size_t i = 2; i < times.size(); ++i) {
+      least = std::min(least, times[i] - times[i - 1]);
+      most = std::max(most, times[i] - times[i - 1]);
+    }
+    report(warn_, path_.string() + ": its frames are not evenly spaced in time (" +
+                      core::significant_text(least, 3) + " to " + core::significant_text(most, 3) +
+                      " s apart); each has its own time");
+    for (const double first = times[0]; double& time : times) time -= first;
+    info_.times = std::move(times);
   }
 
   /// The frame as levels. Throws core::IoError where it has another size or kind than those before it.
@@ -280,9 +334,9 @@ class VideoFileDecoder final : public FrameDecoder {
     if (!scaler_ || kind != kind_) make_scaler(size, kind);
     std::uint8_t* rows[4] = {padded_.data};
     const int steps[4] = {static_cast<int>(padded_.step)};
-    if (sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rows, steps) != frame.height)
+    if (sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rows, steps) != square_.height)
       throw core::IoError(path_.string() + ": frame " + std::to_string(position_) + " cannot be converted");
-    const cv::Mat levels = padded_.colRange(0, size.width);
+    const cv::Mat levels = padded_.colRange(0, square_.width);
     if (!turn_) return levels.clone();
     cv::Mat turned;
     cv::rotate(levels, turned, *turn_);
@@ -290,10 +344,11 @@ class VideoFileDecoder final : public FrameDecoder {
   }
 
   void make_scaler(cv::Size size, const PixelKind& kind) {
+    if (!scaler_) square_ = square_size(size);
     stored_ = size, kind_ = kind;
     constexpr int kBlock = 64;  // px: swscale writes whole vectors, beyond the end of a row
-    padded_.create(size.height, (size.width / kBlock + 1) * kBlock, kind.type());
-    scaler_.reset(sws_getContext(size.width, size.height, kind.stored, size.width, size.height,
+    padded_.create(square_.height, (square_.width / kBlock + 1) * kBlock, kind.type());
+    scaler_.reset(sws_getContext(size.width, size.height, kind.stored, square_.width, square_.height,
                                  kind.converted(), SWS_BICUBIC, nullptr, nullptr, nullptr));
     if (!scaler_)
       throw core::IoError("cannot read " + path_.string() + ": its pixels (" +
@@ -305,29 +360,24 @@ class VideoFileDecoder final : public FrameDecoder {
     }
   }
 
-  void check_shape() {
+  /// Returns the size at which the frame's pixels are square: one side grows. Throws core::IoError for a
+  /// shape that no camera has.
+  [[nodiscard]] cv::Size square_size(cv::Size size) const {
+    constexpr double kSquare = 1e-3, kMostShape = 8;
     const AVRational aspect = stream_->pixel_aspect();
-    const double shape = ratio(aspect);
-    if (shape == 0 || std::abs(shape - 1) < 1e-3) return;
-    report(warn_, path_.string() + ": its pixels are " + std::to_string(aspect.num) + ":" +
-                      std::to_string(aspect.den) +
-                      " wide to high; angles and lengths are measured as if they were square, so scale the "
-                      "clip first (ffmpeg -vf scale=iw*sar:ih)");
-  }
-
-  /// Warns once of a frame that comes much later or earlier after the one before than the rate says.
-  void check_time() {
-    const std::optional<double> time = stream_->time();
-    const std::optional<double> before = std::exchange(time_, time);
-    if (uneven_told_ || !before || !time || !info_.fps_is_known) return;
-    constexpr double kUneven = 0.3, kRounding = 2e-3;  // share of the interval; s
-    const double usual = 1 / info_.fps, step = *time - *before;
-    if (std::abs(step - usual) < std::max(kUneven * usual, kRounding)) return;
-    uneven_told_ = true;
-    const auto ms = [](double value) { return core::significant_text(1000 * value, 3) + " ms"; };
-    report(warn_, path_.string() + ": its frames are not evenly spaced in time (" + ms(usual) +
-                      " on average, " + ms(step) + " at frame " + std::to_string(position_) +
-                      "); they are taken as if they were");
+    const double shape = ratio(aspect), longer = std::max(shape, 1 / shape);
+    if (shape == 0 || longer < 1 + kSquare) return size;
+    const std::string words = std::to_string(aspect.num) + ":" + std::to_string(aspect.den);
+    if (longer > kMostShape)
+      throw core::IoError("cannot read " + path_.string() + ": its pixels are " + words +
+                          " wide to high; set their shape first (ffmpeg -vf setsar=1)");
+    int& side = shape > 1 ? size.width : size.height;
+    const cv::Size before = size;
+    side = static_cast<int>(std::lround(side * longer));
+    report(warn_, path_.string() + ": its pixels are " + words + " wide to high; frames of " +
+                      core::size_text(before) + " are resampled to " + core::size_text(size) +
+                      " square pixels");
+    return size;
   }
 
   cv::Mat end() {
@@ -347,6 +397,7 @@ class VideoFileDecoder final : public FrameDecoder {
   std::optional<FrameStream> stream_;
   Owned<SwsContext> scaler_;
   cv::Size stored_;  ///< px of the frames in the stream
+  cv::Size square_;  ///< px of the same where pixels are square
   cv::Mat padded_;   ///< a converted frame with some columns more
   PixelKind kind_;
   std::optional<cv::RotateFlags> turn_;
@@ -354,8 +405,7 @@ class VideoFileDecoder final : public FrameDecoder {
   std::optional<std::int64_t> claimed_;
   cv::Mat first_;  ///< read to learn the size, not handed out yet
   std::int64_t position_ = 0;
-  std::optional<double> time_;  ///< of the frame read last, s
-  bool ended_ = false, warned_ = false, uneven_told_ = false;
+  bool ended_ = false, warned_ = false;
 };
 
 }  // namespace
@@ -368,7 +418,7 @@ std::unique_ptr<FrameDecoder> decode_video(const fs::path& path, const ReadOptio
   std::error_code error;
   if (fs::file_size(path, error) == 0 && !error)
     throw core::IoError("cannot read " + path.string() + ": it is empty");
-  return std::make_unique<VideoFileDecoder>(path, warn);
+  return std::make_unique<VideoFileDecoder>(path, options, warn);
 }
 
 }  // namespace emberfold::io

@@ -16,7 +16,10 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr double kLeastNoise = 1e-6;    // of the states' size; smaller residuals are rounding
+constexpr double kLeastNoise = 1e-6;  // of the states' size; smaller residuals are rounding
+constexpr double kUndamped = 1e-6;    // of a pole's radius from 1: rounding of the frames
+constexpr double kHeldRadius = 1 - 1e-9;
+constexpr int kDoublings = 20;          // a mean over 2^20 frames
 constexpr double kVarianceRatio = 1.5;  // drawn to learned; beyond it a note warns
 constexpr double kLeastInput = 1e-9;    // of the largest variance; a smaller one is an input that never moves
 
@@ -93,6 +96,29 @@ bool is_noiseless(const Fit& fit) {
   return fit.noise.norm() <= kLeastNoise / std::sqrt(static_cast<double>(fit.states.cols()));
 }
 
+/// Returns whether a fit is of waves that neither grow nor fade, but for rounding. Few frames fit any A.
+bool is_undamped(const Fit& fit) {
+  return fit.states.cols() > 2 * fit.A.rows() && is_noiseless(fit) &&
+         ((eigenvalues(fit.A).cwiseAbs().array() - 1).abs() < kUndamped).all();
+}
+
+/// Brings A of undamped waves just below the radius 1, with F Fᵀ = (1 − ρ²) M: its stationary covariance M is
+/// that of the waves, the mean of Aᵗ P Aᵗᵀ. None where they have no such mean.
+std::optional<Fit> undamped_fit(Fit fit) {
+  const Eigen::MatrixXd P = fit.states * fit.states.transpose() / static_cast<double>(fit.states.cols());
+  Eigen::MatrixXd M = P, power = fit.A;
+  for (int i = 0; i < kDoublings; ++i) {
+    M = ((M + power * M * power.transpose()) / 2).eval();
+    power = (power * power).eval();
+  }
+  if (!(M.trace() < kVarianceRatio * P.trace())) return std::nullopt;
+  fit.A *= kHeldRadius / spectral_radius(fit.A);
+  const Eigen::MatrixXd F = symmetric_factor((1 - kHeldRadius * kHeldRadius) * M);
+  fit.noise.setZero();
+  fit.noise.leftCols(F.cols()) = F;
+  return fit;
+}
+
 /// x̂(t+1) = A x̂(t) + K (x(t) − x̂(t)) as the state (x, x̂): both rows of A are (K, A − K), and the innovation
 /// enters x. Its eigenvalues are A's and n zeros.
 Fit innovations_fit(const Eigen::MatrixXd& V, const Innovations& found) {
@@ -120,6 +146,11 @@ std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOption
   std::vector<double> radii;
   for (const Block& block : blocks) {
     fits.push_back(least_squares_fit(block.V, options.lags));
+    if (options.method == Method::closed_form && is_undamped(fits.back()))
+      if (auto undamped = undamped_fit(fits.back())) {
+        fits.back() = *std::move(undamped);
+        result.notes.emplace_back("the clip is waves without noise, which are kept undamped");
+      }
     radii.push_back(spectral_radius(fits.back().A));
     result.least_squares_radius = std::max(result.least_squares_radius, radii.back());
     if (radii.back() < 1 && is_noiseless(fits.back())) result.noiseless = true;

@@ -81,9 +81,10 @@ Json axis(const char* name, const char* kind, const char* unit, const std::vecto
 }
 
 /// Describes the axis of time. Readers take its values as numbers of frames; `scale` makes seconds of them.
-Json time_axis(const std::vector<std::int64_t>& frames, const std::optional<double>& seconds) {
+Json time_axis(const std::vector<std::int64_t>& frames, const Units& units) {
   Json made = axis("t", "time", "frame", frames);
-  if (seconds) made["scale"] = *seconds, made["scaled_unit"] = "second";
+  if (units.seconds) made["scale"] = *units.seconds, made["scaled_unit"] = "second";
+  if (units.seconds && units.origin.seconds != 0) made["offset"] = units.origin.seconds;
   return made;
 }
 
@@ -92,12 +93,14 @@ Json time_axis(const std::vector<std::int64_t>& frames, const std::optional<doub
 void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::string& folder,
                 const WriteFile& write) {
   const double um = clip.units.um.value_or(1);
-  std::vector<double> y, x, length, probability;
+  std::vector<double> y, x, length, time, probability;
   std::vector<std::int64_t> frame, stroke;
   std::vector<std::uint64_t> ids, pairs;
   for (const auto& row : tree.rows) {
     ids.push_back(ids.size());
-    y.push_back(row.middle.y * um), x.push_back(row.middle.x * um);
+    const Point place = clip.units.place(row.middle);
+    y.push_back(place.y * um), x.push_back(place.x * um);
+    time.push_back(clip.units.time(static_cast<int>(row.frame)));
     frame.push_back(row.frame), stroke.push_back(row.stroke), length.push_back(row.length * um);
   }
   for (const auto& link : tree.links) {
@@ -113,8 +116,7 @@ void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::stri
   Json about = {
       {"geff_version", "1.1.0"},
       {"directed", true},
-      {"axes",
-       {time_axis(frame, clip.units.seconds), axis("y", "space", place, y), axis("x", "space", place, x)}},
+      {"axes", {time_axis(frame, clip.units), axis("y", "space", place, y), axis("x", "space", place, x)}},
       {"display_hints", {{"display_horizontal", "x"}, {"display_vertical", "y"}, {"display_time", "t"}}}};
   about["node_props_metadata"] = {{"t", zarr.property("nodes", "t", frame)},
                                   {"y", zarr.property("nodes", "y", y)},
@@ -122,6 +124,8 @@ void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::stri
                                   {"frame", zarr.property("nodes", "frame", frame)},
                                   {tree.of, zarr.property("nodes", tree.of, stroke)},
                                   {"length", zarr.property("nodes", "length", length)}};
+  if (!clip.units.times.empty())
+    about["node_props_metadata"]["time_s"] = zarr.property("nodes", "time_s", time);
   about["edge_props_metadata"] = {{"probability", zarr.property("edges", "probability", probability)}};
   zarr.file(".zattrs", Json{{"geff", about}}.dump(1));
 }

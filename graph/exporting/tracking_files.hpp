@@ -25,7 +25,8 @@ using WriteFile =
 
 /// Writes a GEFF (graph exchange file format 1.1.0): a zarr 2 group of nodes, a stroke (curve) in a frame
 /// each, and directed edges. Nodes have t and frame (both the frame's number; the axis t has the seconds of a
-/// frame as its `scale`), y, x, stroke (curve), length; edges probability.
+/// frame as its `scale`), y, x, stroke (curve), length, and time_s where frames are not evenly spaced; edges
+/// probability.
 void write_geff(const StrokeTree& tree, const TrackedClip& clip, const std::string& folder,
                 const WriteFile& write);
 

@@ -38,7 +38,8 @@ std::vector<std::size_t> tracks_of(const StrokeTree& tree) {
   return tracks;
 }
 
-void write_spots(std::ostream& out, const StrokeTree& tree, double seconds, double um) {
+void write_spots(std::ostream& out, const StrokeTree& tree, const Units& units) {
+  const double um = units.um.value_or(1);
   std::map<std::uint32_t, std::vector<std::size_t>> frames;
   for (std::size_t i = 0; i < tree.rows.size(); ++i) frames[tree.rows[i].frame].push_back(i);
   out << "    <AllSpots" << attribute("nspots", static_cast<double>(tree.rows.size())) << ">\n";
@@ -46,12 +47,13 @@ void write_spots(std::ostream& out, const StrokeTree& tree, double seconds, doub
     out << "      <SpotsInFrame" << attribute("frame", frame) << ">\n";
     for (const auto i : spots) {
       const auto& row = tree.rows[i];
+      const Point place = units.place(row.middle);
       const double radius = std::max(0.5, row.length / 2) * um;
       out << "        <Spot" << attribute("ID", static_cast<double>(i))
           << attribute("name", "stroke " + std::to_string(row.stroke)) << attribute("VISIBILITY", 1)
-          << attribute("QUALITY", 1) << attribute("POSITION_X", row.middle.x * um)
-          << attribute("POSITION_Y", row.middle.y * um) << attribute("POSITION_Z", 0)
-          << attribute("POSITION_T", row.frame * seconds) << attribute("FRAME", row.frame)
+          << attribute("QUALITY", 1) << attribute("POSITION_X", place.x * um)
+          << attribute("POSITION_Y", place.y * um) << attribute("POSITION_Z", 0)
+          << attribute("POSITION_T", units.time(static_cast<int>(row.frame))) << attribute("FRAME", row.frame)
           << attribute("RADIUS", radius) << attribute("STROKE", row.stroke)
           << attribute("LENGTH", row.length * um) << "/>\n";
     }
@@ -111,7 +113,7 @@ void write_trackmate(std::ostream& out, const StrokeTree& tree, const TrackedCli
       << feature("LINK_COST", "Edge cost", "COST", false) << "      </EdgeFeatures>\n      <TrackFeatures>\n"
       << feature("TRACK_ID", "Track ID", "NONE", true)
       << "      </TrackFeatures>\n    </FeatureDeclarations>\n";
-  write_spots(out, tree, seconds, um);
+  write_spots(out, tree, clip.units);
   write_tracks(out, tree);
   out << "  </Model>\n  <Settings>\n    <ImageData" << attribute("filename", clip.name)
       << attribute("folder", std::string()) << attribute("width", clip.width)

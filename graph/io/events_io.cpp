@@ -11,6 +11,7 @@
 #include "core/text/json_reader.hpp"
 #include "graph/io/event_reading.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/io/table_text.hpp"
 #include "graph/io/unit_tables.hpp"
 
 namespace emberfold::graph {
@@ -43,18 +44,26 @@ void write_text(std::ostream& out, const std::string& text) {
 }  // namespace
 
 void write_events(std::ostream& out, const std::vector<Event>& events) {
-  std::string text = "{\"format\":\"emberfold.events\",\"version\":1,\"events\":[";
+  write_events(out, events, {});
+}
+
+void write_events(std::ostream& out, const std::vector<Event>& events, const Units& units) {
+  std::string text = "{\"format\":\"emberfold.events\",\"version\":1,";
+  if (const auto& from = units.origin.counted_from; !from.empty())
+    text += "\"counted_from\":\"" + from + "\",";
+  text += "\"events\":[";
   for (const Event& event : events) {
     check_event(event);
+    const Point place = units.place(event.position);
     text += text.back() == '[' ? "\n" : ",\n";
     text += "{\"frame\":";
     core::append_number(text, static_cast<std::uint32_t>(event.frame));
     text += ",\"type\":\"";
     text += name(event.type);
     text += "\",\"x\":";
-    core::append_number(text, event.position.x);
+    core::append_number(text, place.x);
     text += ",\"y\":";
-    core::append_number(text, event.position.y);
+    core::append_number(text, place.y);
     text += ",\"probability\":";
     core::append_number(text, event.probability);
     text += ",\"before\":[";
@@ -73,29 +82,20 @@ void write_events_csv(std::ostream& out, const std::vector<Event>& events) {
 
 void write_events_csv(std::ostream& out, const std::vector<Event>& events, const Units& units) {
   std::string text = "frame,type,x,y,probability,before,after";
-  if (units.seconds) text += ",time_s";
-  if (units.um) text += ",x_um,y_um";
-  text += '\n';
-  const auto column = [&text](double value) {
-    text += ',';
-    core::append_number(text, value);
+  detail::end_head(text, units, ",time_s", ",x_um,y_um");
+  const auto ids = [](const std::vector<SubgraphId>& list) {
+    std::string joined;
+    append_ids(joined, list, ';');
+    return joined;
   };
   for (const Event& event : events) {
     check_event(event);
-    core::append_number(text, static_cast<std::uint32_t>(event.frame));
-    text += ',';
-    text += name(event.type);
-    for (const double value : {event.position.x, event.position.y, event.probability}) {
-      text += ',';
-      core::append_number(text, value);
-    }
-    text += ',';
-    append_ids(text, event.before, ';');
-    text += ',';
-    append_ids(text, event.after, ';');
-    if (units.seconds) column(event.frame * *units.seconds);
-    if (units.um) column(event.position.x * *units.um), column(event.position.y * *units.um);
-    text += '\n';
+    detail::TableLine line(text, units);
+    line.add(static_cast<std::uint32_t>(event.frame)), line.add_name(name(event.type));
+    line.add_place(event.position), line.add(event.probability);
+    line.add_name(ids(event.before)), line.add_name(ids(event.after));
+    line.add_time(event.frame), line.add_place_um(event.position);
+    line.end();
   }
   write_text(out, text);
 }

@@ -9,6 +9,8 @@
 #include "core/error.hpp"
 #include "core/text/json_reader.hpp"
 #include "graph/io/patch_range.hpp"
+#include "graph/io/table_text.hpp"
+#include "graph/io/unit_tables.hpp"
 
 namespace emberfold::graph {
 
@@ -180,28 +182,25 @@ void SketchWriter::finish() {
 }
 
 void write_trajectories(std::ostream& out, const MotionGraph& motion) {
-  std::string text = "trajectory,frame,vertex,stroke,x,y,theta,width,blur,contrast\n";
+  write_trajectories(out, motion, {});
+}
+
+void write_trajectories(std::ostream& out, const MotionGraph& motion, const Units& units) {
+  std::string text = "trajectory,frame,vertex,stroke,x,y,theta,width,blur,contrast";
+  detail::end_head(text, units, "", "");
   std::uint32_t number = 0;
   for (const Trajectory& course : trajectories(motion)) {
     auto t = static_cast<std::size_t>(course.first_frame);
     for (const VertexId id : course.vertices) {
       const AttributeGraph& graph = motion.sketch.frames[t];
       const Vertex& vertex = graph.vertices()[graph.index_of(id)];
-      core::append_number(text, number);
-      const auto column = [&text](auto value) {
-        text += ',';
-        core::append_number(text, value);
-      };
-      column(static_cast<std::uint32_t>(t));
-      column(id.value);
-      column(vertex.subgraph.value);
-      column(vertex.patch.position.x);
-      column(vertex.patch.position.y);
-      column(vertex.patch.theta);
-      column(vertex.patch.width);
-      column(vertex.patch.blur);
-      column(vertex.patch.contrast);
-      text += '\n';
+      detail::TableLine line(text, units);
+      line.add(number), line.add(static_cast<std::uint32_t>(t));
+      line.add(id.value), line.add(vertex.subgraph.value);
+      line.add_place(vertex.patch.position);
+      line.add(vertex.patch.theta), line.add(vertex.patch.width);
+      line.add(vertex.patch.blur), line.add(vertex.patch.contrast);
+      line.end();
       ++t;
     }
     ++number;

@@ -24,7 +24,7 @@ MeshSizes mesh_sizes(const std::vector<double>& meshes) {
 
 void add_row(std::string& text, std::uint32_t t, const NetworkFigures& f, const NetworkChanges& changes,
              const Units& units) {
-  detail::TableLine line(text);
+  detail::TableLine line(text, units);
   const MeshSizes sizes = mesh_sizes(f.meshes);
   line.add(t);
   line.add(f.length), line.add(f.components), line.add(f.longest);
@@ -34,7 +34,7 @@ void add_row(std::string& text, std::uint32_t t, const NetworkFigures& f, const 
   line.add(sizes.mean), line.add(sizes.median), line.add(f.tortuosity);
   for (const auto count : {changes.births, changes.deaths, changes.unions, changes.separations})
     line.add(count);
-  if (units.seconds) line.add(t * *units.seconds);
+  line.add_time(static_cast<int>(t));
   if (units.um) {
     const double um = *units.um;
     for (const double value : {f.length * um, f.longest * um, sizes.mean * um * um, sizes.median * um * um})
@@ -50,9 +50,7 @@ void write_network(std::ostream& out, const MotionGraph& motion, const Units& un
       "frame,length,components,longest,points,tips,junctions_3,junctions_4,junctions_more,branches,loops,"
       "meshes,"
       "mesh_mean,mesh_median,tortuosity,births,deaths,unions,separations";
-  if (units.seconds) text += ",time_s";
-  if (units.um) text += ",length_um,longest_um,mesh_mean_um2,mesh_median_um2";
-  text += '\n';
+  detail::end_head(text, units, ",time_s", ",length_um,longest_um,mesh_mean_um2,mesh_median_um2");
   const auto changes = network_changes(motion);
   for (std::uint32_t t = 0; t < changes.size(); ++t)
     add_row(text, t, network_figures(motion.sketch.frames[t]), changes[t], units);

@@ -118,6 +118,19 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> touches_of(cons
   return touches;
 }
 
+void begin_row(detail::TableLine& line, const Row& row) {
+  line.add(row.stroke), line.add(row.frame);
+  line.add_place(row.middle), line.add(row.length);
+  line.add(row.patches);
+  line.add(row.width), line.add(row.contrast);
+}
+
+void end_row(detail::TableLine& line, const Row& row) {
+  line.add_time(static_cast<int>(row.frame));
+  line.add_place_um(row.middle), line.add_length_um(row.length);
+  line.end();
+}
+
 }  // namespace
 
 std::vector<CurveRow> curve_rows(const MotionGraph& motion) {
@@ -133,37 +146,26 @@ std::vector<CurveRow> curve_rows(const MotionGraph& motion) {
 
 void write_curves(std::ostream& out, const MotionGraph& motion, const Units& units) {
   std::string text = "curve,frame,x,y,length,patches,width,contrast,pieces,touches";
-  if (units.seconds) text += ",time_s";
-  if (units.um) text += ",x_um,y_um,length_um";
-  text += '\n';
+  detail::end_head(text, units, ",time_s", ",x_um,y_um,length_um");
   for (const auto& [row, touches] : curve_rows(motion)) {
-    detail::TableLine line(text);
-    line.add(row.stroke), line.add(row.frame);
-    for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value);
-    line.add(row.patches);
-    for (const double value : {row.width, row.contrast}) line.add(value);
+    detail::TableLine line(text, units);
+    begin_row(line, row);
     line.add(row.pieces), line.add(touches);
-    if (units.seconds) line.add(row.frame * *units.seconds);
-    if (units.um)
-      for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value * *units.um);
-    line.end();
+    end_row(line, row);
   }
   detail::write_table(out, text);
 }
 
 void write_joints(std::ostream& out, const std::vector<CurveJoint>& joints, const Units& units) {
   std::string text = "frame,x,y,curve_a,curve_b,junction,probability";
-  if (units.seconds) text += ",time_s";
-  if (units.um) text += ",x_um,y_um";
-  text += '\n';
+  detail::end_head(text, units, ",time_s", ",x_um,y_um");
   for (const CurveJoint& joint : joints) {
-    detail::TableLine line(text);
+    detail::TableLine line(text, units);
     line.add(static_cast<std::uint32_t>(joint.frame));
-    line.add(joint.position.x), line.add(joint.position.y);
+    line.add_place(joint.position);
     line.add(joint.a.value), line.add(joint.b.value);
     line.add(static_cast<std::uint32_t>(joint.at_junction)), line.add(joint.probability);
-    if (units.seconds) line.add(joint.frame * *units.seconds);
-    if (units.um) line.add(joint.position.x * *units.um), line.add(joint.position.y * *units.um);
+    line.add_time(joint.frame), line.add_place_um(joint.position);
     line.end();
   }
   detail::write_table(out, text);
@@ -185,20 +187,12 @@ void write_strokes(std::ostream& out, const MotionGraph& motion) {
 
 void write_strokes(std::ostream& out, const MotionGraph& motion, const Units& units) {
   std::string text = "stroke,frame,x,y,length,patches,width,contrast,ends,junctions";
-  if (units.seconds) text += ",time_s";
-  if (units.um) text += ",x_um,y_um,length_um";
-  text += '\n';
+  detail::end_head(text, units, ",time_s", ",x_um,y_um,length_um");
   for (const Row& row : stroke_rows(motion)) {
-    detail::TableLine line(text);
-    line.add(row.stroke), line.add(row.frame);
-    for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value);
-    line.add(row.patches);
-    for (const double value : {row.width, row.contrast}) line.add(value);
+    detail::TableLine line(text, units);
+    begin_row(line, row);
     line.add(row.ends), line.add(row.junctions);
-    if (units.seconds) line.add(row.frame * *units.seconds);
-    if (units.um)
-      for (const double value : {row.middle.x, row.middle.y, row.length}) line.add(value * *units.um);
-    line.end();
+    end_row(line, row);
   }
   detail::write_table(out, text);
 }
@@ -217,21 +211,18 @@ std::vector<StrokeLife> stroke_lives(const MotionGraph& motion) {
 
 void write_lives(std::ostream& out, const std::vector<StrokeLife>& lives, const Units& units) {
   std::string text = "stroke,first,last,frames,whole,length,growth,speed";
-  if (units.seconds) text += ",life_s";
-  if (units.um) text += ",length_um";
-  const bool both = units.seconds && units.um;
-  if (both) text += ",growth_um_s,speed_um_s";
-  text += '\n';
+  detail::end_head(text, units, ",life_s", ",length_um", ",growth_um_s,speed_um_s");
   for (const StrokeLife& life : lives) {
-    detail::TableLine line(text);
+    detail::TableLine line(text, units);
     line.add(life.stroke);
     for (const int value : {life.first, life.last, life.frames(), life.whole ? 1 : 0})
       line.add(static_cast<std::uint32_t>(value));
     for (const double value : {life.length, life.growth, life.speed}) line.add(value);
-    if (units.seconds) line.add(life.frames() * *units.seconds);
-    if (units.um) line.add(life.length * *units.um);
-    if (both)
-      for (const double value : {life.growth, life.speed}) line.add(value * *units.um / *units.seconds);
+    if (units.seconds) line.add(units.span(life.first, life.last + 1));
+    line.add_length_um(life.length);
+    if (units.seconds && units.um)
+      for (const double value : {life.growth, life.speed})
+        line.add(value * *units.um / units.step(life.first, life.last));
     line.end();
   }
   detail::write_table(out, text);

@@ -3,19 +3,22 @@
 
 #include <cstdint>
 #include <iosfwd>
-#include <optional>
 #include <vector>
 
 #include "graph/events/events.hpp"
+#include "graph/io/units.hpp"
 #include "graph/motion_graph.hpp"
 
 namespace emberfold::graph {
 
-/// What a frame and a pixel are in the world; nothing where it is not known.
-struct Units {
-  std::optional<double> seconds;  ///< from frame to frame
-  std::optional<double> um;       ///< side of a pixel, µm
-};
+// In all tables and events.json `x`, `y` and times count as `units.origin` says; where it says something, the
+// last column is counted_from (source or part).
+
+/// Writes events.json; positions count as in the tables. Errors as for the plain one.
+void write_events(std::ostream& out, const std::vector<Event>& events, const Units& units);
+
+/// Writes trajectories.csv, the columns counted_from behind the others.
+void write_trajectories(std::ostream& out, const MotionGraph& motion, const Units& units);
 
 /// Writes events.csv with the columns time_s, x_um and y_um behind the others, where the units are known.
 /// Errors as for write_events.

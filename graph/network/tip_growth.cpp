@@ -178,23 +178,19 @@ std::vector<TipMotion> tip_motions(const MotionGraph& motion) {
 
 void write_tips(std::ostream& out, const std::vector<TipMotion>& motions, const Units& units) {
   std::string text = "tip,curve,phase,first,last,x,y,x_end,y_end,length,rate,error";
-  if (units.seconds) text += ",first_s,last_s,rate_px_s";
-  if (units.um) text += ",length_um";
-  if (units.seconds && units.um) text += ",rate_um_s";
-  text += '\n';
+  detail::end_head(text, units, ",first_s,last_s,rate_px_s", ",length_um", ",rate_um_s");
   for (const TipMotion& one : motions) {
-    detail::TableLine line(text);
+    detail::TableLine line(text, units);
     line.add(one.tip), line.add(one.curve.value), line.add_name(name(one.phase));
     line.add(static_cast<std::uint32_t>(one.first)), line.add(static_cast<std::uint32_t>(one.last));
     const double length = one.rate * (one.last - one.first);
-    for (const double value : {one.begin.x, one.begin.y, one.end.x, one.end.y, length, one.rate, one.error})
-      line.add(value);
-    if (units.seconds) {
-      const double s = *units.seconds;
-      line.add(one.first * s), line.add(one.last * s), line.add(one.rate / s);
-    }
-    if (units.um) line.add(length * *units.um);
-    if (units.seconds && units.um) line.add(one.rate * *units.um / *units.seconds);
+    line.add_place(one.begin), line.add_place(one.end);
+    for (const double value : {length, one.rate, one.error}) line.add(value);
+    const double step = units.step(one.first, one.last);
+    line.add_time(one.first), line.add_time(one.last);
+    if (units.seconds) line.add(one.rate / step);
+    line.add_length_um(length);
+    if (units.seconds && units.um) line.add(one.rate * *units.um / step);
     line.end();
   }
   detail::write_table(out, text);

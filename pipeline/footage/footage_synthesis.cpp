@@ -36,6 +36,7 @@ constexpr double kFewTimes = 0.5;                  // frames: amplitude below wh
 constexpr int kPlays = 3;                          // enough that none fills most of the frame
 constexpr int kApart = 6;                          // frames between those that stand side by side, at least
 constexpr std::uint64_t kPlayStream = 0x706c6179;  // between the seeds of plays
+constexpr double kSame = 0.05;                     // of the usual change: a jump that shows no difference
 constexpr double kLead = 2;                        // frames by which times differ in the first frame
 constexpr double kLeadRate = 0.3;                  // frames more by each frame of the footage
 
@@ -52,28 +53,36 @@ std::shared_ptr<const std::vector<cv::Mat>> in_playing_order(std::vector<cv::Mat
   return std::make_shared<const std::vector<cv::Mat>>(std::move(footage));
 }
 
-TimeFront make_front(const std::vector<cv::Mat>& footage, const FootageSynthesisOptions& options,
-                     const MotionScale& scale) {
-  const double range = kRange * std::min(footage.front().cols, footage.front().rows);
-  const double known = std::clamp((kUnknown - scale.between_error) / (kUnknown - kKnown), 0.0, 1.0);
-  const double slope = known * kStretch / std::max(kLeastMotion, scale.speed);
-  const double amplitude =
-      std::min({slope * range, kMostAmplitude, static_cast<double>(footage.size()) / 10});
-  return {amplitude, range, kRate * std::abs(options.speed), options.seed, options.loop};
-}
-
 std::optional<int> played_loop(const FootageSynthesisOptions& options) {
   if (!options.loop) return {};
   return std::max(2, static_cast<int>(std::lround(*options.loop * std::abs(options.speed))));
 }
 
+/// Returns whether the footage itself repeats after the loop: then its own frames have no seam.
+bool repeats(const LikeMoments& moments, const FootageSynthesisOptions& options) {
+  if (!options.loop || !moments.can_jump()) return false;
+  const PlayOrder order(moments, {.loop = played_loop(options)});
+  return !order.plays_back() && order.relative_cost() < kSame;
+}
+
+TimeFront make_front(const std::vector<cv::Mat>& footage, const FootageSynthesisOptions& options,
+                     const MotionScale& scale, const LikeMoments& moments) {
+  const double range = kRange * std::min(footage.front().cols, footage.front().rows);
+  const double known = std::clamp((kUnknown - scale.between_error) / (kUnknown - kKnown), 0.0, 1.0);
+  const double slope = known * kStretch / std::max(kLeastMotion, scale.speed);
+  const double amplitude =
+      repeats(moments, options)
+          ? 0
+          : std::min({slope * range, kMostAmplitude, static_cast<double>(footage.size()) / 10});
+  return {amplitude, range, kRate * std::abs(options.speed), options.seed, options.loop};
+}
+
 /// Returns the plays of a footage: several side by side where the times of a single one may hardly differ.
 PlayedFrames make_plays(const std::shared_ptr<const std::vector<cv::Mat>>& footage,
-                        const FootageSynthesisOptions& options, const MotionScale& scale, double amplitude,
-                        const core::Context& context) {
-  const auto moments = compare_moments(*footage, context);
+                        const FootageSynthesisOptions& options, const MotionScale& scale,
+                        const LikeMoments& moments, double amplitude) {
   const auto loop = played_loop(options);
-  const int plays = amplitude < kFewTimes ? kPlays : 1;
+  const int plays = amplitude < kFewTimes && !repeats(moments, options) ? kPlays : 1;
   const auto seams = std::make_shared<const Seams>(*footage, scale.moves, plays);
   std::vector<std::shared_ptr<PlayOrder>> orders;
   for (int i = 0; i < plays; ++i) {
@@ -98,8 +107,9 @@ FootageSynthesis::FootageSynthesis(std::vector<cv::Mat> footage, const FootageSy
     : footage_(in_playing_order(std::move(footage), options)),
       options_(options),
       scale_(measure_motion_scale(*footage_, context)),
-      front_(make_front(*footage_, options, scale_)),
-      played_(make_plays(footage_, options, scale_, amplitude(), context)),
+      moments_(compare_moments(*footage_, context)),
+      front_(make_front(*footage_, options, scale_, moments_)),
+      played_(make_plays(footage_, options, scale_, moments_, amplitude())),
       copied_(*footage_, scale_.moves) {}
 
 double FootageSynthesis::step() const {

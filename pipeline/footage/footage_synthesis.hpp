@@ -28,7 +28,8 @@ struct FootageSynthesisOptions {
 /// Draws new frames of a footage without end.
 /// The footage is played with jumps between like moments (PlayOrder), and every place runs a little before or
 /// behind its neighbours (TimeFront), so frames are new compositions of the clip; what lies between two of
-/// its frames is moved along the motion between them. How much times differ is bounded by the motion: content
+/// its frames is moved along the motion between them. A loop after which the footage itself repeats is played
+/// unchanged. How much times differ is bounded by the motion: content
 /// is stretched by some 15 %. The same at any number of threads.
 class FootageSynthesis {
  public:
@@ -65,6 +66,7 @@ class FootageSynthesis {
   std::shared_ptr<const std::vector<cv::Mat>> footage_;
   FootageSynthesisOptions options_;
   MotionScale scale_;
+  LikeMoments moments_;
   TimeFront front_;
   PlayedFrames played_;
   CopiedShare copied_;

@@ -17,10 +17,11 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kComparedSide = 80;  // px: larger pictures are reduced before they are compared
-constexpr double kBlur = 1;        // px: small shifts are no difference
-constexpr int kMostHalf = 4;       // frames: about a quarter of a second of movement
-constexpr int kShortestJump = 25;  // frames: shorter jumps repeat or skip what was just seen
+constexpr int kComparedSide = 80;       // px: larger pictures are reduced before they are compared
+constexpr double kBlur = 1;             // px: small shifts are no difference
+constexpr int kMostHalf = 4;            // frames: about a quarter of a second of movement
+constexpr int kShortestJump = 25;       // frames: shorter jumps repeat or skip what was just seen
+constexpr double kNoDifference = 0.05;  // of the usual change: frames that show no difference
 constexpr std::size_t kBestJumps = 20;
 
 cv::Mat small_picture(const cv::Mat& frame) {
@@ -63,6 +64,13 @@ float jump_cost(const cv::Mat1f& distance, int half, int a, int b) {
   return static_cast<float>(sum / pairs);
 }
 
+/// Returns whether the whole footage repeats after `lag` frames.
+bool repeats_after(const cv::Mat1f& distance, int lag, double change) {
+  double sum = 0;
+  for (int i = 0; i + lag < distance.rows; ++i) sum += double{distance(i, i + lag)};
+  return sum < kNoDifference * change * (distance.rows - lag);
+}
+
 }  // namespace
 
 LikeMoments compare_moments(const std::vector<cv::Mat>& footage, const core::Context& context) {
@@ -74,10 +82,14 @@ LikeMoments compare_moments(const std::vector<cv::Mat>& footage, const core::Con
   const auto distance = distances(footage, context);
   for (int i = 0; i + 1 < n; ++i) moments.change += double{distance(i, i + 1)} / std::max(1, n - 1);
   const int gap = std::min(kShortestJump, n / 4);
+  std::vector<bool> is_period;
+  for (int lag = 0; lag < gap; ++lag)
+    is_period.push_back(lag > 0 && repeats_after(distance, lag, moments.change));
   std::vector<float> costs;
   for (int a = moments.half; a < n - moments.half; ++a)
     for (int b = moments.half; b < n - moments.half; ++b) {
-      if (b == a + 1 || std::abs(a + 1 - b) < gap) continue;
+      const int lag = std::abs(a + 1 - b);
+      if (lag == 0 || (lag < gap && !is_period[static_cast<std::size_t>(lag)])) continue;
       costs.push_back(moments.cost(a, b) = jump_cost(distance, moments.half, a, b));
     }
   moments.best = none;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, Iterator, Optional, Tuple, Union
+from typing import Any, Dict, Iterator, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from .progress import Progress, reporter
 
 ClipLike = Union["Clip", np.ndarray, str, "os.PathLike[str]"]
 Roi = Tuple[int, int, int, int]
+Origin = Tuple[float, float, float, str]  # x, y, px; s; what positions and times count from
+GUESSED_FPS = 25
 
 
 class Clip:
@@ -91,7 +93,12 @@ def _restore(state: Tuple[Any, ...], name: str) -> Clip:
 
 
 def _of_array(array: np.ndarray, frames: slice, fps: Optional[float], pixel_size: Optional[float], roi: Optional[Roi],
-              white: Optional[float]) -> Tuple[Any, ...]:
+              white: Optional[float], origin: Optional[str], times: Sequence[float], corner: Origin) -> Tuple[Any, ...]:
+    """What ClipData takes of a part of an array, whose own frames have these times and begin at this corner."""
+    if origin not in (None, "source", "part"):
+        raise ValueError(f"origin is {origin!r}; allowed is 'source' or 'part'")
+    first = frames.indices(len(array))[0]
+    times = times[frames]
     if array.ndim not in (3, 4):
         raise ValueError(f"clip has the shape {array.shape}; allowed are (T, H, W) and (T, H, W, 3), none 0")
     array = array[frames]
@@ -104,7 +111,15 @@ def _of_array(array: np.ndarray, frames: slice, fps: Optional[float], pixel_size
     if not array.dtype.isnative:
         array = array.astype(array.dtype.newbyteorder("="))
     step = abs(frames.step or 1)
-    return "array", array, None if fps is None else fps / step, white, pixel_size
+    part = origin == "part" or corner[3] == "part" and origin is None
+    if roi is not None or first > 0:
+        x, y = (0, 0) if roi is None else roi[:2]
+        corner = (corner[0] + x, corner[1] + y, times[0] if times else corner[2] + first / (fps or GUESSED_FPS), "source")
+    if part and corner[3]:
+        corner, times = (0., 0., 0., "part"), [time - times[0] for time in times]
+    if len(times) > 1 and times[-1] > times[0]:
+        fps, step = (len(times) - 1) / (times[-1] - times[0]), 1
+    return "array", array, None if fps is None else fps / step, white, pixel_size, list(times), corner
 
 
 def _of_file(path: str, frames: slice, options: Dict[str, Any]) -> Tuple[Any, ...]:
@@ -125,15 +140,20 @@ def _reopen(clip: Clip, frames: Optional[slice], options: Dict[str, Any], roi: O
     if clip._state[0] == "file" and clip._state[4].get("mask") is not None:
         raise ValueError("frames, roi and white of a clip with a mask are told when its file is opened")
     known = {"fps": clip.fps if clip.fps_is_known else None, "pixel_size": clip.pixel_size, **given}
-    return open_clip(clip.read(), frames=frames, roi=roi, white=clip.white if white is None else white, **known)
+    origin, times = known.pop("origin", None), [] if "fps" in given else clip._data.times
+    for name in set(known) - {"fps", "pixel_size"}:
+        raise ValueError(f"{name} is for files; arrays are read as they are")
+    return _restore(_of_array(clip.read(), slice(None) if frames is None else frames, known["fps"], known["pixel_size"], roi,
+                              clip.white if white is None else white, origin, times, clip._data.origin), "array")
 
 
 def open_clip(clip: ClipLike, *, frames: Optional[slice] = None, fps: Optional[float] = None,
               pixel_size: Optional[float] = None, roi: Optional[Roi] = None, white: Optional[float] = None,
-              **reading: Any) -> Clip:
+              origin: Optional[str] = None, **reading: Any) -> Clip:
     """Opens a clip: a video, a folder or pattern of images, a TIFF, or an array (T, H, W[, 3]) of uint8, uint16 or float32.
 
-    frames: which of them; roi: x, y, width, height, px, and places are then counted from its corner. fps (of the frames
+    frames: which of them; roi: x, y, width, height, px. Positions and times in tables count from the corner and first frame of the
+    whole clip; with origin="part" from those of the part that is read. fps (of the frames
     as they were taken) and pixel_size (µm) give results seconds and micrometres; of a file they are its own unless given. white: of an array, the value of white;
     unless given 255, and of 16 bits the largest of the bits that the values need, of floats up to 1 it is 1.
 
@@ -141,14 +161,15 @@ def open_clip(clip: ClipLike, *, frames: Optional[slice] = None, fps: Optional[f
     grey=True, scale=.5, mask="file" (structure counts where it is not 0), stabilize="translation" or "similarity".
     """
     if isinstance(clip, Clip):
-        return _reopen(clip, frames, {"fps": fps, "pixel_size": pixel_size, **reading}, roi, white)
+        return _reopen(clip, frames, {"fps": fps, "pixel_size": pixel_size, "origin": origin, **reading}, roi, white)
     frames = slice(None) if frames is None else frames
     if not isinstance(frames, slice):
         raise ValueError(f"frames is {frames!r}; allowed is a slice")
     if isinstance(clip, (str, os.PathLike)):
         if white is not None:
             raise ValueError("white is for arrays; files tell their own")
-        options = {"fps": fps, "pixel_size": pixel_size, "roi": None if roi is None else tuple(roi), **reading}
+        options = {"fps": fps, "pixel_size": pixel_size, "roi": None if roi is None else tuple(roi),
+                   "origin": origin, **reading}
         if options.get("mask") is not None:
             options["mask"] = os.fspath(options["mask"])
         return _restore(_of_file(os.fspath(clip), frames, options), os.fspath(clip))
@@ -156,7 +177,7 @@ def open_clip(clip: ClipLike, *, frames: Optional[slice] = None, fps: Optional[f
         raise ValueError(f"{name} is for files; arrays are read as they are")
     if not isinstance(clip, np.ndarray):
         raise ValueError(f"clip is a {type(clip).__name__}; allowed are an array, a path and a Clip")
-    return _restore(_of_array(clip, frames, fps, pixel_size, roi, white), "array")
+    return _restore(_of_array(clip, frames, fps, pixel_size, roi, white, origin, [], (0., 0., 0., "")), "array")
 
 
 def data_of(clip: ClipLike, name: str = "clip", fps: Optional[float] = None) -> _native.ClipData:

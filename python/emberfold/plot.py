@@ -45,7 +45,7 @@ def graph(run: Any, t: int) -> Any:
     axes.add_collection(LineCollection(places[ends], colors="#ffcc00", linewidths=1))
     events = run.events[(run.events["frame"] - t).abs() <= NEAR]
     for kind, rows in events.groupby("type", observed=True):
-        axes.plot(rows["x"], rows["y"], "o", fillstyle="none", color=COLOURS[kind], label=kind)
+        axes.plot(rows["x"] - run._origin[0], rows["y"] - run._origin[1], "o", fillstyle="none", color=COLOURS[kind], label=kind)
     if len(events):
         axes.legend(loc="upper right", fontsize="small")
     axes.set(xlim=(-0.5, run.motion.width - 0.5), ylim=(run.motion.height - 0.5, -0.5), title=f"frame {t}", aspect="equal")
@@ -87,7 +87,7 @@ def model(shown: Any) -> Any:
 
 
 def _events(run: Any, axes: Any) -> None:
-    bins = np.linspace(0, run.frames / run.fps, min(run.frames, 40) + 1)
+    bins = np.linspace(0, run.frames / run.fps, min(run.frames, 40) + 1) + run._origin[2]
     times = [run.events.loc[run.events["type"] == kind, "t_s"] for kind in EVENT_TYPES]
     axes.hist(times, bins=bins, stacked=True, label=EVENT_TYPES, color=[COLOURS[kind] for kind in EVENT_TYPES])
     axes.set(xlabel="s", ylabel="events")

@@ -31,6 +31,7 @@ class Run:
         self.model: _native.ClipModel = found["model"]
         self.stages: Dict[str, float] = dict(found.get("stages", ()))
         self.pixel_size: Optional[float] = found["pixel_size"]
+        self._times, self._origin = found["place"]
         self._events, self._all_events = found["events"], found["all_events"]
         self._rates, self._reviewed = found.get("rates"), found.get("reviewed")
 
@@ -51,12 +52,17 @@ class Run:
         names = ["frame", "type", "x", "y", "probability", "before", "after"]
         table = self._with_units(pd.DataFrame(events, columns=names))
         table["type"] = pd.Categorical(table["type"], categories=_native.EVENT_TYPES)
-        return table[["t_s", "x_um", "y_um", "frame", "x", "y", "type", "probability", "before", "after"]]
+        return table[["t_s", "x_um", "y_um", "frame", "x", "y", "type", "probability", "before", "after", *table.columns[10:]]]
 
     def _with_units(self, table: pd.DataFrame) -> pd.DataFrame:
+        """Adds times, and positions in micrometres, and lets positions count as the clip's `origin` says."""
         size = np.nan if self.pixel_size is None else self.pixel_size
-        table["t_s"] = table["frame"] / self.fps
+        x, y, seconds, counted_from = self._origin
+        table["t_s"] = np.asarray(self._times)[table["frame"].astype(int)] if self._times else table["frame"] / self.fps + seconds
+        table["x"], table["y"] = table["x"] + x, table["y"] + y
         table["x_um"], table["y_um"] = table["x"] * size, table["y"] * size
+        if counted_from:
+            table["counted_from"] = counted_from
         return table
 
     def rates(self, by: Optional[str] = "type", interval: float = 0.9) -> pd.DataFrame:
@@ -117,7 +123,7 @@ class Run:
                     tree.add_node(stroke, first=t, last=t)
                 else:
                     node["last"] = t
-        for frame, kind, x, y, probability, before, after in self._all_events:
+        for frame, kind, x, y, probability, before, after in store.moved(self._all_events, self._origin):
             event = {"frame": frame, "type": kind, "x": x, "y": y, "probability": probability}
             if kind in ("birth", "death"):
                 for stroke in before + after:
@@ -135,9 +141,14 @@ class Run:
         """Every stroke in every frame: its middle, length, patches, width, contrast, ends and junctions."""
         return self._with_units(pd.read_csv(io.BytesIO(self.motion.strokes_csv())))
 
+    @property
+    def _units(self) -> Tuple[Any, ...]:
+        """Units as the compiled part takes them."""
+        return 1 / self.fps, self.pixel_size, self._times, self._origin
+
     def _read_table(self, write: Any) -> pd.DataFrame:
         """A table of the motion graph, in seconds and micrometres where these are known."""
-        return pd.read_csv(io.BytesIO(write(1 / self.fps, self.pixel_size)))
+        return pd.read_csv(io.BytesIO(write(*self._units)))
 
     @property
     def curves(self) -> pd.DataFrame:
@@ -168,12 +179,12 @@ class Run:
     @property
     def contacts(self) -> pd.DataFrame:
         """Where two curves touch or cross, and how long."""
-        return self._read_table(lambda seconds, um: _native.contacts_csv(self.motion, seconds, um))
+        return self._read_table(lambda *units: _native.contacts_csv(self.motion, *units))
 
     @property
     def lives(self) -> pd.DataFrame:
         """How long each stroke lives, how it grows and moves."""
-        return self._read_table(lambda seconds, um: _native.lives_csv(self.motion, seconds, um))
+        return self._read_table(lambda *units: _native.lives_csv(self.motion, *units))
 
     @property
     def named_events(self) -> pd.DataFrame:
@@ -186,8 +197,10 @@ class Run:
         return self._with_units(pd.read_csv(io.BytesIO(self.motion.trajectories_csv())))
 
     def tracks(self) -> Tuple[np.ndarray, Dict[int, List[int]]]:
-        """Strokes as napari's layer Tracks takes them: rows of stroke, frame, y, x, and the parents of strokes."""
-        strokes = self.strokes[self.strokes["stroke"] > 0].sort_values(["stroke", "frame"])
+        """Strokes as napari's layer Tracks takes them: rows of stroke, frame, y, x (px of the frames that were read), and the
+        parents of strokes."""
+        strokes = pd.read_csv(io.BytesIO(self.motion.strokes_csv()))
+        strokes = strokes[strokes["stroke"] > 0].sort_values(["stroke", "frame"])
         data = strokes[["stroke", "frame", "y", "x"]].to_numpy(dtype=float)
         known = set(strokes["stroke"])
         parents: Dict[int, List[int]] = {}
@@ -202,7 +215,7 @@ class Run:
         path = Path(path)
         if path.exists() and not (path / ".zattrs").exists():
             raise FileExistsError(f"{path} is there and no GEFF; it is left alone")
-        files = _native.geff_files(self.motion, self._events, of, 1 / self.fps, self.pixel_size)
+        files = _native.geff_files(self.motion, self._events, of, *self._units)
         part = path.with_name(path.name + ".part")
         shutil.rmtree(part, ignore_errors=True)
         for name, content in files.items():
@@ -221,7 +234,7 @@ class Run:
 
     def _write_text(self, path: Union[str, "os.PathLike[str]"], make: Any, of: str) -> None:
         name = "" if self.clip is None else self.clip.name
-        Path(path).write_bytes(make(self.motion, self._events, of, name, 1 / self.fps, self.pixel_size))
+        Path(path).write_bytes(make(self.motion, self._events, of, name, *self._units))
 
     def __getstate__(self) -> Dict[str, Any]:
         state = dict(self.__dict__)
@@ -254,11 +267,11 @@ class Run:
         return plot.of_run(self, kind)
 
 
-def _options(quality: str, given: Dict[str, Any]) -> _native.AnalyzeOptions:
+def _options(quality: str, given: Dict[str, Any], clip: Clip) -> _native.AnalyzeOptions:
     review = given.pop("review", None)
     options = _native.AnalyzeOptions(**given)
     if review is not None:
-        options.review = tuples_of_review(review)
+        options.review = store.moved(tuples_of_review(review), clip._data.origin, -1)
     _native.set_quality(options, quality)
     return options
 
@@ -275,13 +288,13 @@ def analyze(clip: ClipLike, *, quality: str = "normal", progress: Progress = Non
     made; asked again, also with other options or after it was broken off, only what is missing is made.
     """
     opened = open_clip(clip)
-    asked = _options(quality, options)
+    asked = _options(quality, options, opened)
     folder = None if out is None else Path(out)
     if folder is not None:
         store.prepare(folder)
     with reporter(progress) as report:
         found = _native.analyze(opened._data, asked, report, *(() if folder is None else (str(folder), store.keys_of(opened, asked))))
-    found["pixel_size"] = opened.pixel_size
+    found["pixel_size"], found["place"] = opened.pixel_size, (opened._data.times, opened._data.origin)
     if folder is not None:
         store.save(found, opened, folder)
     return Run(opened, found, asked)

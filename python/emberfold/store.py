@@ -13,6 +13,7 @@ from . import _native
 from .clip import Clip
 
 FORMAT = "emberfold.python_run"
+NO_ORIGIN = {"x": 0., "y": 0., "time_s": 0., "origin": ""}
 STAGES = {"sketch": ("sketch",),
           "motion": ("seed", "match", "starts", "infer", "bottom_up", "curve_events", "sample", "in_noise"),
           "model": ("fill", "calibrate", "texture")}  # what each depends on, beside the stages before it
@@ -63,15 +64,26 @@ def _replace(path: Path, content: bytes) -> None:
 def save(found: Dict[str, Any], clip: Clip, folder: Path) -> None:
     """Writes what other programs read; stages and model are there already."""
     _replace(folder / "motion.jsonl", found["motion"].to_jsonl())
-    _replace(folder / "events.json", _native.events_json(found["events"]))
-    _replace(folder / "events_all.json", _native.events_json(found["all_events"]))
+    times, origin = found["place"]
+    _replace(folder / "events.json", _native.events_json(found["events"], origin))
+    _replace(folder / "events_all.json", _native.events_json(found["all_events"], origin))
     about = {"format": FORMAT, "version": 2, "done": True, "clip": clip.name, "pixel_size": clip.pixel_size}
+    if times:
+        about["times_s"] = times
+    if origin[3]:
+        about["counted_from"] = dict(zip(NO_ORIGIN, origin))
     _replace(folder / "python_run.json", json.dumps(about).encode())
 
 
-def _events(path: Path) -> List[Tuple[Any, ...]]:
-    return [(e["frame"], e["type"], float(e["x"]), float(e["y"]), float(e["probability"]), tuple(e["before"]), tuple(e["after"]))
-            for e in json.loads(path.read_text())["events"]]
+def moved(events: List[Tuple[Any, ...]], origin: Tuple[Any, ...], sign: int = 1) -> List[Tuple[Any, ...]]:
+    """Events, or answers of a review, whose positions count from elsewhere; sign -1: back."""
+    return [(frame, kind, x + sign * origin[0], y + sign * origin[1], *rest) for frame, kind, x, y, *rest in events]
+
+
+def _events(path: Path, origin: Tuple[Any, ...]) -> List[Tuple[Any, ...]]:
+    events = [(e["frame"], e["type"], float(e["x"]), float(e["y"]), float(e["probability"]), tuple(e["before"]), tuple(e["after"]))
+              for e in json.loads(path.read_text())["events"]]
+    return moved(events, origin, -1)
 
 
 def load(folder: Path) -> Dict[str, Any]:
@@ -81,12 +93,15 @@ def load(folder: Path) -> Dict[str, Any]:
             about = json.loads((folder / "python_run.json").read_text())
             done, pixel_size = about.get("done", True), about.get("pixel_size")
         else:
-            done, pixel_size = True, json.loads((folder / "summary.json").read_text())["clip"]["pixel_um"]
+            about = json.loads((folder / "summary.json").read_text())["clip"]
+            done, pixel_size = True, about["pixel_um"]
         if not done:
             raise _native.IoError(f"{folder} is a run that was broken off; analyze() goes on with it")
         motion = (folder / "motion.jsonl").read_text()
+        origin = tuple(about.get("counted_from", NO_ORIGIN)[key] for key in NO_ORIGIN)
         return {"motion": _native.MotionGraph.from_jsonl(motion, str(folder / "motion.jsonl")),
-                "events": _events(folder / "events.json"), "all_events": _events(folder / "events_all.json"),
-                "model": _native.ClipModel.read(str(folder / "model")), "pixel_size": pixel_size}
+                "events": _events(folder / "events.json", origin), "all_events": _events(folder / "events_all.json", origin),
+                "model": _native.ClipModel.read(str(folder / "model")), "pixel_size": pixel_size,
+                "place": (about.get("times_s", []), origin)}
     except (FileNotFoundError, KeyError, ValueError) as error:
         raise _native.IoError(f"{folder} is no finished run: {error}") from error

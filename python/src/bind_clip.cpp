@@ -28,6 +28,11 @@ void set_reading(io::ReadOptions& reading, const std::string& name, const py::ob
     reading.region = io::Region{roi[0], roi[1], roi[2], roi[3]};
   } else if (name == "step") {
     reading.every = from_python<int>(value, name);
+  } else if (name == "origin") {
+    const auto origin = from_python<std::string>(value, name);
+    if (origin != "source" && origin != "part")
+      throw py::value_error("origin is '" + origin + "'; allowed is source or part");
+    reading.counts_from_part = origin == "part";
   } else if (name == "fps") {
     reading.fps = from_python<double>(value, name);
   } else if (name == "pixel_size") {
@@ -91,11 +96,15 @@ void write_video(const std::string& path, const ClipData& clip, std::optional<in
 void bind_clip(py::module_& module) {
   using MaybeNumber = std::optional<double>;
   py::class_<ClipData>(module, "ClipData", "A clip that is held in an array or lies in a file.")
-      .def(py::init<py::array, MaybeNumber, MaybeNumber, MaybeNumber>(), py::arg("clip"),
-           py::arg("fps") = py::none(), py::arg("white") = py::none(), py::arg("pixel_size") = py::none())
+      .def(py::init<py::array, MaybeNumber, MaybeNumber, MaybeNumber, std::vector<double>, OriginTuple>(),
+           py::arg("clip"), py::arg("fps") = py::none(), py::arg("white") = py::none(),
+           py::arg("pixel_size") = py::none(), py::arg("times") = py::tuple(),
+           py::arg("origin") = OriginTuple{})
       .def_static("open", open_file, py::arg("path"), py::arg("first") = 0, py::arg("last") = py::none(),
                   py::arg("options") = py::dict(), doc("io::open_video"))
       .def_property_readonly("pixel_size", [](const ClipData& clip) { return clip.info().pixel_um; })
+      .def_property_readonly("times", [](const ClipData& clip) { return clip.info().times; })
+      .def_property_readonly("origin", [](const ClipData& clip) { return to_tuple(clip.info().origin); })
       .def_property_readonly("fps_is_known", [](const ClipData& clip) { return clip.info().fps_is_known; })
       .def_property_readonly("width", [](const ClipData& clip) { return clip.info().width; })
       .def_property_readonly("height", [](const ClipData& clip) { return clip.info().height; })

@@ -19,6 +19,7 @@
 #include "graph/matching/time_reversal.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"
+#include "python/src/clip_data.hpp"
 #include "python/src/holders.hpp"
 #include "python/src/options.hpp"
 #include "python/src/reviews.hpp"
@@ -28,6 +29,7 @@ namespace emberfold::python {
 namespace {
 
 using MaybeNumber = std::optional<double>;
+using Times = std::vector<double>;
 
 /// What a writer writes that touches no Python.
 py::bytes written(const std::function<void(std::ostream&)>& write) {
@@ -45,18 +47,18 @@ graph::StrokeTree tree_of(const Motion& motion, const py::list& events, const st
   throw py::value_error("of is '" + of + "'; allowed is strokes or curves");
 }
 
-graph::TrackedClip tracked(const Motion& motion, std::string name, MaybeNumber seconds, MaybeNumber um) {
+graph::TrackedClip tracked(const Motion& motion, std::string name, graph::Units units) {
   const auto& sketch = motion.graphs->sketch;
-  return {std::move(name), sketch.width, sketch.height, static_cast<int>(sketch.frames.size()),
-          sketch.fps,      {seconds, um}};
+  return {std::move(name), sketch.width,    sketch.height, static_cast<int>(sketch.frames.size()),
+          sketch.fps,      std::move(units)};
 }
 
 /// The files of a GEFF: paths below its folder, and their bytes.
 py::dict geff_files(const Motion& motion, const py::list& events, const std::string& of, MaybeNumber seconds,
-                    MaybeNumber um) {
+                    MaybeNumber um, const Times& times, const OriginTuple& origin) {
   py::dict files;
-  graph::write_geff(tree_of(motion, events, of), tracked(motion, {}, seconds, um), "geff",
-                    [&](const std::string& path, const std::function<void(std::ostream&)>& body) {
+  graph::write_geff(tree_of(motion, events, of), tracked(motion, {}, {seconds, um, times, to_origin(origin)}),
+                    "geff", [&](const std::string& path, const std::function<void(std::ostream&)>& body) {
                       files[py::str(path.substr(path.find('/') + 1))] = written(body);
                     });
   return files;
@@ -64,17 +66,20 @@ py::dict geff_files(const Motion& motion, const py::list& events, const std::str
 
 void bind_exports(py::module_& module) {
   module.def("geff_files", geff_files, py::arg("motion"), py::arg("events"), py::arg("of") = "strokes",
-             py::arg("seconds") = py::none(), py::arg("um") = py::none(), doc("graph::write_geff"));
+             py::arg("seconds") = py::none(), py::arg("um") = py::none(), py::arg("times") = Times{},
+             py::arg("origin") = OriginTuple{}, doc("graph::write_geff"));
   const auto text = [&](const char* name, auto writer, const char* about) {
     module.def(
         name,
         [writer](const Motion& motion, const py::list& events, const std::string& of, const std::string& clip,
-                 MaybeNumber seconds, MaybeNumber um) {
+                 MaybeNumber seconds, MaybeNumber um, const Times& times, const OriginTuple& origin) {
           const auto tree = tree_of(motion, events, of);
-          return written([&](std::ostream& out) { writer(out, tree, tracked(motion, clip, seconds, um)); });
+          const auto tracks = tracked(motion, clip, {seconds, um, times, to_origin(origin)});
+          return written([&](std::ostream& out) { writer(out, tree, tracks); });
         },
         py::arg("motion"), py::arg("events"), py::arg("of") = "strokes", py::arg("clip") = "",
-        py::arg("seconds") = py::none(), py::arg("um") = py::none(), about);
+        py::arg("seconds") = py::none(), py::arg("um") = py::none(), py::arg("times") = Times{},
+        py::arg("origin") = OriginTuple{}, about);
   };
   text("trackmate_xml", graph::write_trackmate, doc("graph::write_trackmate"));
   text("genealogy_graphml", graph::write_graphml, doc("graph::write_graphml"));
@@ -84,10 +89,13 @@ void bind_tables(py::module_& module) {
   const auto table = [&](const char* name, auto writer, const char* about) {
     module.def(
         name,
-        [writer](const Motion& motion, MaybeNumber seconds, MaybeNumber um) {
-          return written([&](std::ostream& out) { writer(out, *motion.graphs, graph::Units{seconds, um}); });
+        [writer](const Motion& motion, MaybeNumber seconds, MaybeNumber um, const Times& times,
+                 const OriginTuple& origin) {
+          const graph::Units units{seconds, um, times, to_origin(origin)};
+          return written([&](std::ostream& out) { writer(out, *motion.graphs, units); });
         },
-        py::arg("motion"), py::arg("seconds") = py::none(), py::arg("um") = py::none(), about);
+        py::arg("motion"), py::arg("seconds") = py::none(), py::arg("um") = py::none(),
+        py::arg("times") = Times{}, py::arg("origin") = OriginTuple{}, about);
   };
   using graph::MotionGraph, graph::Units;
   table(
@@ -113,11 +121,12 @@ void bind_tables(py::module_& module) {
       py::arg("motion"), py::arg("events"), doc("graph::event_contacts"));
   module.def(
       "events_json",
-      [](const py::list& events) {
+      [](const py::list& events, const OriginTuple& origin) {
         const auto list = to_events(events);
-        return written([&](std::ostream& out) { graph::write_events(out, list); });
+        const graph::Units units{{}, {}, {}, to_origin(origin)};
+        return written([&](std::ostream& out) { graph::write_events(out, list, units); });
       },
-      py::arg("events"), doc("graph::write_events"));
+      py::arg("events"), py::arg("origin") = OriginTuple{}, doc("graph::write_events"));
 }
 
 py::list score_rows(const graph::Score& score) {

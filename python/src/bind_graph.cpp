@@ -22,6 +22,7 @@
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"
+#include "python/src/clip_data.hpp"
 #include "python/src/holders.hpp"
 #include "python/src/options.hpp"
 
@@ -180,19 +181,23 @@ void bind_text(py::class_<Motion>& motion) {
         text);
   };
   write("to_jsonl", graph::write_motion, doc("graph::write_motion"));
-  write("trajectories_csv", graph::write_trajectories, doc("graph::write_trajectories"));
+  write("trajectories_csv",
+        static_cast<void (*)(std::ostream&, const graph::MotionGraph&)>(graph::write_trajectories),
+        doc("graph::write_trajectories"));
   const auto write_in_units = [&](const char* name, auto writer, const char* text) {
     motion.def(
         name,
-        [writer](const Motion& held, std::optional<double> seconds, std::optional<double> um) {
+        [writer](const Motion& held, std::optional<double> seconds, std::optional<double> um,
+                 const std::vector<double>& times, const OriginTuple& origin) {
           std::ostringstream out;
           {
             const py::gil_scoped_release released;
-            writer(out, *held.graphs, graph::Units{seconds, um});
+            writer(out, *held.graphs, graph::Units{seconds, um, times, to_origin(origin)});
           }
           return bytes_of(out);
         },
-        py::arg("seconds") = py::none(), py::arg("um") = py::none(), text);
+        py::arg("seconds") = py::none(), py::arg("um") = py::none(), py::arg("times") = std::vector<double>{},
+        py::arg("origin") = OriginTuple{}, text);
   };
   using Table = void (*)(std::ostream&, const graph::MotionGraph&, const graph::Units&);
   write_in_units("strokes_csv", static_cast<Table>(graph::write_strokes), doc("graph::write_strokes"));

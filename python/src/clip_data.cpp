@@ -111,12 +111,12 @@ void check_positive(const char* name, std::optional<double> value) {
 }  // namespace
 
 ClipData::ClipData(const py::array& array, std::optional<double> fps, std::optional<double> white,
-                   std::optional<double> pixel_size)
+                   std::optional<double> pixel_size, std::vector<double> times, const OriginTuple& origin)
     : array_(array), data_(static_cast<const std::byte*>(array.data())), info_(info_of(array)) {
   for (py::ssize_t i = 0; i < array.ndim(); ++i) strides_[static_cast<std::size_t>(i)] = array.strides(i);
   check_positive("fps", fps), check_positive("white", white), check_positive("pixel_size", pixel_size);
   info_.fps = fps.value_or(info_.fps), info_.fps_is_known = fps.has_value();
-  info_.pixel_um = pixel_size;
+  info_.pixel_um = pixel_size, info_.times = std::move(times), info_.origin = to_origin(origin);
   double found = 255;
   if (info_.depth != CV_8U)
     found = call(py::none(), [&](const core::Context& context) { return find_white(*open(), context); });

@@ -38,6 +38,18 @@ def test_an_array_is_not_copied():
     assert np.array_equal(np.asarray(clip), array[2:30:2, 4:14, 3:23])
 
 
+def test_a_part_of_an_array_knows_where_it_begins():
+    def origin(**part):
+        return ef.open(ripples(), fps=10, **part)._data.origin
+    assert origin() == (0, 0, 0, "") and origin(frames=slice(0, 9)) == (0, 0, 0, "")
+    assert origin(frames=slice(5, None, 2), roi=(3, 4, 20, 10)) == (3, 4, 0.5, "source")
+    assert origin(roi=(3, 4, 20, 10), origin="part") == (0, 0, 0, "part")
+    inner = ef.open(ef.open(ripples(), fps=10, frames=slice(5, None)), roi=(3, 4, 20, 10))
+    assert inner._data.origin == (3, 4, 0.5, "source")
+    with pytest.raises(ValueError, match="origin is 'here'"):
+        origin(origin="here")
+
+
 def test_a_clip_becomes_an_array_as_numpy_asks():
     clip = ef.open(ripples())
     assert not np.shares_memory(np.array(clip), ripples()) and np.asarray(clip, np.float32).dtype == np.float32

@@ -7,6 +7,7 @@ import subprocess
 import warnings
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import emberfold as ef
@@ -116,6 +117,37 @@ def test_reading(folder):
         ef.open(folder / "clip.avi", brightness=2)
     with pytest.raises(ValueError, match="grey is for files"):
         ef.open(bars(4), grey=True)
+
+
+def test_a_part_of_an_uneven_clip_counts_from_the_source(folder):
+    """Times of frames and positions, of the command and of Python, also of runs that are read."""
+    image = pytest.importorskip("PIL.Image")
+    frames = [image.fromarray(frame) for frame in bars()]
+    frames[0].save(folder / "uneven.gif", save_all=True, append_images=frames[1:], duration=[40] * 12 + [100] * 12)
+    command("analyze", folder / "uneven.gif", "-o", folder / "part", "--quality", "draft", "--range", "4:", "--roi", "10,20,110,70",
+            "--pixel-size", "2um", "--grey")
+    where = {"frames": slice(4, None), "roi": (10, 20, 110, 70), "pixel_size": 2, "grey": True}
+    clip = ef.open(folder / "uneven.gif", **where)
+    run = ef.analyze(clip, quality="draft", out=folder / "part_here")
+    table, events = pd.read_csv(folder / "part/events.csv"), run.events
+    assert len(events) > 0 and (events["counted_from"] == "source").all()
+    for theirs, mine in (("frame", "frame"), ("time_s", "t_s"), ("x", "x"), ("y_um", "y_um")):
+        assert np.allclose(table[theirs], events[mine])
+    split = events[events["type"].isin(["split", "disconnect"])].iloc[0]
+    frame = split["frame"] + 4  # of the file
+    assert abs(frame - 12) <= 1 and split["t_s"] == pytest.approx(0.04 * min(frame, 12) + 0.1 * max(0, frame - 12))
+    assert abs(split["x"] - 65) < 8 and abs(split["y"] - 30) < 8
+    assert (folder / "part/events.json").read_bytes() == (folder / "part_here/events.json").read_bytes()
+    for kept in (folder / "part", folder / "part_here"):
+        again = ef.read_run(kept)
+        assert again.events.equals(events) and again.lives.equals(run.lives) and again.tips.equals(run.tips)
+    own = ef.analyze(ef.open(folder / "uneven.gif", origin="part", **where), quality="draft")
+    assert np.allclose(own.events["t_s"] + 0.16, events["t_s"]) and np.allclose(own.events["x"] + 10, events["x"])
+    assert np.allclose(own.lives["life_s"], run.lives["life_s"])
+    inner = ef.open(clip, frames=slice(8, None), roi=(1, 2, 50, 40))
+    assert inner._data.origin == (11, 22, pytest.approx(0.48), "source") and inner.fps == pytest.approx(10)
+    answers = events.assign(answer=False)
+    assert len(ef.analyze(clip, quality="draft", review=answers).events) == 0
 
 
 def test_export_geff(folder):

@@ -32,7 +32,7 @@ struct TemporaryFile {
 void check_page(const std::filesystem::path& path, const io::TiffPage& page) {
   if (page.width > kMostPixels || page.height > kMostPixels || page.width * page.height > kMostPixels) return;
   const cv::Mat read = io::PageReader(path).read(page);
-  if (read.total() != page.width * page.height) fuzz::broken("a page of another size than its head tells");
+  if (read.total() != page.width * page.height) fuzz::broken("a page of another size than its head says");
 }
 
 void check_axes(const io::TiffAxes& axes, std::size_t pages) {

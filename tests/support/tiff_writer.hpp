@@ -23,8 +23,9 @@ struct TiffHead {
   bool one_head = false;          ///< only the first page has a head; the pixels of the others follow its own
   std::uint64_t photometric = 1;  ///< 0: white is 0, 1: black is 0, 2: RGB, 3: palette (of no grey at all)
   bool separate = false;          ///< one sample of all pixels after the other
-  std::vector<std::uint64_t> extra = {};  ///< of the last samples: 0 unknown, 1, 2 alpha
-  std::uint64_t stacked = 0;              ///< pictures of a MetaMorph stack
+  std::vector<std::uint64_t> extra = {};     ///< of the last samples: 0 unknown, 1, 2 alpha
+  std::uint64_t stacked = 0;                 ///< pictures of a MetaMorph stack
+  std::vector<std::uint64_t> stack_ms = {};  ///< of a MetaMorph stack: times of its pictures, ms of the day
   bool without_photometric = false;
   bool description_is_lost = false;  ///< with heads_are_lost: it came last, too
   bool heads_are_lost =
@@ -156,7 +157,8 @@ class TiffWriter {
     entries.push_back({339, 3, samples, put_shorts(std::vector(samples, format))});
     if (head_.stacked > 0) {
       const std::size_t at = text_.size();
-      for (std::uint64_t i = 0; i < 6 * head_.stacked; ++i) put(1, 4);
+      for (std::uint64_t i = 0; i < 6 * head_.stacked; ++i)
+        put(i % 6 == 3 && !head_.stack_ms.empty() ? head_.stack_ms.at(i / 6) : 1, 4);
       entries.push_back({33629, 5, head_.stacked, at});
     }
     if (text_.size() % 2 != 0) text_ += '\0';

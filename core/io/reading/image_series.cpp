@@ -57,12 +57,12 @@ void refuse_several_series(const std::vector<fs::path>& files) {
     return;
   const fs::path folder = files.front().parent_path();
   std::string names;
-  std::size_t told = 0;
+  std::size_t named = 0;
   for (const auto& [pattern, count] : series) {
-    if (told == 4) break;
-    names += (told++ > 0 ? ", " : "") + pattern + count_text(count);
+    if (named == 4) break;
+    names += (named++ > 0 ? ", " : "") + pattern + count_text(count);
   }
-  if (series.size() > told) names += " and " + std::to_string(series.size() - told) + " more";
+  if (series.size() > named) names += " and " + std::to_string(series.size() - named) + " more";
   throw core::InputError(folder.string() + " holds " + std::to_string(series.size()) +
                          " series of images: " + names + "; name one of them, for instance '" +
                          (folder / series.begin()->first).string() + "'");

@@ -42,7 +42,7 @@ std::string option_text(double low, double high) {
   return "--levels " + text(low) + ":" + text(high);
 }
 
-/// Says what is doubtful of values that are read as they are; empty where nothing is.
+/// Returns what is doubtful about values that are read unchanged; empty where nothing is.
 std::string doubt(const ValueRange& values, int depth, double white) {
   const std::string spread =
       values.high > values.low ? "; " + option_text(values.low, values.high) + " spreads them" : "";

@@ -13,9 +13,7 @@
 namespace emberfold::io {
 
 /// Reads the mask of a clip, as large as the clip is stored: an image, which counts for every frame, or a
-/// clip of as many frames. A pixel counts where its value is not 0, so that masks of 0 and 1, of 0 and 255,
-/// and of labels do alike. In files that compression changes (JPEG, videos) it counts above half of the
-/// brightest value so far, unless that value is small enough to be a label.
+/// clip of that number of frames. MaskSource says which pixels count.
 class MaskClip {
  public:
   /// `options`: of the clip; the frames are those that it takes. Throws core::IoError where it cannot be
@@ -30,11 +28,8 @@ class MaskClip {
   std::string name_;
   std::unique_ptr<core::FrameSource> source_;
   cv::Mat only_;  ///< of an image
-  bool is_lossy_ = false;
-  double brightest_ = 0;  ///< so far, of a lossy file
 
   cv::Mat read();
-  void note_values(const core::Warn& warn);
 };
 
 }  // namespace emberfold::io

@@ -125,10 +125,36 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
 
   /// Rate and size of pixels, as told or as given.
   void take_scales() {
-    if (options_.fps) info_.fps = *options_.fps, info_.fps_is_known = true;
+    if (options_.fps) info_.fps = *options_.fps, info_.fps_is_known = true, info_.times.clear();
+    take_origin();
     info_.fps /= options_.every;
+    take_times();
     if (options_.pixel_size) info_.pixel_um = options_.pixel_size;
     if (info_.pixel_um) info_.pixel_um = *info_.pixel_um / options_.scale;
+  }
+
+  /// Sets what positions and times of a part count from, while the rate is still that of the source.
+  void take_origin() {
+    if (!options_.region && options_.first == 0) return;
+    info_.origin.counted_from = options_.counts_from_part ? "part" : "source";
+    if (options_.counts_from_part) return;
+    info_.origin.seconds = static_cast<double>(options_.first) / info_.fps;
+    if (const auto& region = options_.region)
+      info_.origin.x = region->x * options_.scale, info_.origin.y = region->y * options_.scale;
+  }
+
+  /// Keeps the times of the frames that are read; the rate is their mean.
+  void take_times() {
+    const std::vector<double> stored = std::exchange(info_.times, {});
+    const auto end = std::min(options_.last.value_or(std::ssize(stored)), std::ssize(stored));
+    for (std::int64_t i = options_.first; i < end; i += options_.every)
+      info_.times.push_back(stored[static_cast<std::size_t>(i)]);
+    if (info_.times.empty()) return;
+    const double first = info_.times.front(), whole = info_.times.back() - first;
+    if (whole > 0) info_.fps = static_cast<double>(info_.times.size() - 1) / whole;
+    info_.origin.seconds = options_.counts_from_part ? 0 : first;
+    if (options_.counts_from_part)
+      for (double& time : info_.times) time -= first;
   }
 
   void take_size() {

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/tiff/axes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <numeric>
+
+#include "core/text/format_number.hpp"
 
 namespace emberfold::io {
 
 namespace {
+
+constexpr double kUneven = 0.25;  // share of the interval by which frames may come early or late
 
 struct Unit {
   std::string_view name;
@@ -71,6 +76,26 @@ std::optional<double> seconds_of(std::string_view unit) {
   return find(unit, kTimes);
 }
 
+void take_frame_times(std::vector<std::pair<int, double>> times, TiffAxes& axes) {
+  std::ranges::sort(times);
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i)
+    if (times[i].first == times[i - 1].first + 1) steps.push_back(times[i].second - times[i - 1].second);
+  if (steps.empty()) return;
+  const bool is_whole = std::ssize(times) == axes.frames && std::ssize(steps) + 1 == axes.frames;
+  std::ranges::sort(steps);
+  const double middle = steps[steps.size() / 2];
+  if (middle <= 0) return;
+  if (!axes.interval) axes.interval = middle;
+  if (steps.front() >= (1 - kUneven) * middle && steps.back() <= (1 + kUneven) * middle) return;
+  if (is_whole && steps.front() >= 0)
+    for (const auto& [frame, time] : times) axes.times.push_back(time - times.front().second);
+  axes.doubts.push_back("its frames are not evenly spaced in time (" +
+                        core::significant_text(steps.front(), 3) + " to " +
+                        core::significant_text(steps.back(), 3) + " s apart); " +
+                        (axes.times.empty() ? "they are taken as if they were" : "each has its own time"));
+}
+
 TiffAxes plain_axes(const std::vector<TiffPage>& pages) {
   TiffAxes axes;
   axes.frames = static_cast<int>(pages.size());
@@ -91,7 +116,11 @@ TiffAxes read_tiff_axes(const std::filesystem::path& path, const std::vector<Tif
     case Kind::none:
       break;
   }
-  return plain_axes(pages);
+  TiffAxes axes = plain_axes(pages);
+  std::vector<std::pair<int, double>> times;
+  for (const double time : pages.front().times) times.emplace_back(static_cast<int>(times.size()), time);
+  take_frame_times(std::move(times), axes);
+  return axes;
 }
 
 std::uint64_t pages_by_head(const TiffPage& first) {

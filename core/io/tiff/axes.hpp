@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/io/tiff_pages.hpp"
@@ -21,6 +22,7 @@ struct TiffAxes {
       planes;  ///< page of (frame, slice, channel), the channel fastest: its index among the pages given
   std::optional<double> pixel_um;  ///< side of a pixel, µm
   std::optional<double> interval;  ///< from frame to frame, s
+  std::vector<double> times = {};  ///< of each frame, s from the first, where they are uneven
   std::vector<std::string> doubts =
       {};  ///< what of the metadata is odd, in words that follow the file's name
 
@@ -62,6 +64,10 @@ struct PageRun {
 /// missing.
 void place_pages(const std::filesystem::path& path, const std::string& order,
                  const std::vector<PageRun>& runs, std::size_t pages, TiffAxes& axes);
+
+/// Sets the usual interval between frames, unless it is known, from the times of single ones (frame, s), and
+/// `times` where these are uneven; a doubt then.
+void take_frame_times(std::vector<std::pair<int, double>> times, TiffAxes& axes);
 
 /// Every page is a frame.
 TiffAxes plain_axes(const std::vector<TiffPage>& pages);

@@ -14,8 +14,6 @@ namespace emberfold::io {
 
 namespace {
 
-constexpr double kUneven = 0.25;  // share of the interval by which frames may come early or late
-
 std::string word(const XmlTag& tag, const std::string& key) {
   const auto found = tag.attributes.find(key);
   return found == tag.attributes.end() ? std::string() : found->second;
@@ -94,23 +92,6 @@ Pixels read_pixels(const std::string& text) {
   return pixels;
 }
 
-/// The usual interval between frames, from the times of single ones; told where they are uneven.
-void take_times(std::vector<std::pair<int, double>> times, TiffAxes& axes) {
-  std::ranges::sort(times);
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < times.size(); ++i)
-    if (times[i].first == times[i - 1].first + 1) steps.push_back(times[i].second - times[i - 1].second);
-  if (steps.empty()) return;
-  std::ranges::sort(steps);
-  const double middle = steps[steps.size() / 2];
-  if (middle <= 0) return;
-  if (!axes.interval) axes.interval = middle;
-  if (steps.front() < (1 - kUneven) * middle || steps.back() > (1 + kUneven) * middle)
-    axes.doubts.push_back(
-        "its frames are not evenly spaced in time (" + core::significant_text(steps.front(), 3) + " to " +
-        core::significant_text(steps.back(), 3) + " s apart); they are taken as if they were");
-}
-
 /// Returns the channels that are pages of their own: a page of n samples counts as n channels.
 int page_channels(const Pixels& pixels, const TiffPage& page) {
   const auto samples = static_cast<int>(std::clamp<std::uint64_t>(page.samples, 1, 4));
@@ -154,7 +135,7 @@ TiffAxes read_ome_axes(const std::filesystem::path& path, const std::vector<Tiff
     axes.doubts.push_back("its pixels are " +
                           core::significant_text(*pixels.pixel_high_um / *pixels.pixel_um, 3) +
                           " times as high as wide; they are taken as square, of the width");
-  take_times(pixels.times, axes);
+  take_frame_times(pixels.times, axes);
   return axes;
 }
 

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What cannot be decoded; the caller has the words for it.
+/// A page that cannot be decoded; the caller has the words for it.
 struct Undecodable {};
 
 void require(bool holds) {
@@ -248,16 +248,16 @@ std::vector<TiffPage> read_picture_pages(const fs::path& path, const core::Warn&
   std::erase_if(pages, [](const TiffPage& page) { return !page.is_picture(); });
   if (pages.empty()) throw core::IoError("cannot read " + path.string() + ": it holds no picture");
   pages.front().description = description;
-  const auto tell = [&](const std::string& what) {
+  const auto say = [&](const std::string& what) {
     if (warn) warn(path.string() + ": " + what);
   };
   if (pages.size() < in_file)
-    tell(std::to_string(in_file - pages.size()) +
-         " of its pages are smaller copies or masks, and are passed over");
+    say(std::to_string(in_file - pages.size()) +
+        " of its pages are smaller copies or masks, and are passed over");
   std::set<std::string> printed;
   for (const TiffPage& page : pages) try {
       for (const auto& note : meaning_of(page).notes)
-        if (printed.insert(note).second) tell(note);
+        if (printed.insert(note).second) say(note);
     } catch (const core::IoError& error) {
       throw core::IoError("cannot read " + path.string() + ": " + error.what());
     }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMissing = -1;
 
-/// Puts pages into the planes of the axes, in the order that the file tells.
+/// Puts pages into the planes of the axes, in the order of the file.
 class Placement {
  public:
   Placement(const std::string& order, TiffAxes& axes) : axes_(axes) {
@@ -73,7 +73,7 @@ void drop_missing(const std::filesystem::path& path, TiffAxes& axes) {
   }
   if (frames < planned)
     axes.doubts.push_back("only " + std::to_string(frames) + " of the " + std::to_string(planned) +
-                          " frames that its head tells of are there whole");
+                          " frames that its head claims are whole");
   const auto gap = std::ranges::find(axes.planes, kMissing);
   if (gap != axes.planes.end())
     throw core::IoError("cannot read " + path.string() + ": a plane of its frame " +

@@ -14,7 +14,7 @@ namespace emberfold::io {
 /// The alpha channel's note, as of other images.
 inline constexpr std::string_view kAlphaDropped = "its alpha channel is dropped";
 
-/// What the numbers of a page mean, by its head.
+/// Meaning of the numbers of a page, by its head.
 struct SampleMeaning {
   bool is_colour = false;     ///< red, green and blue
   bool is_converted = false;  ///< into red, green and blue, by libtiff: CMYK, YCbCr, Lab

@@ -42,6 +42,7 @@ class TiffClip final : public FrameDecoder {
     if (!axes.interval) return;
     info_.fps = 1 / *axes.interval;
     info_.fps_is_known = true;
+    info_.times = axes.times;
   }
 
   cv::Mat next() override {
@@ -162,7 +163,7 @@ class PlaneChoice {
   int channels_, channel_ = 0, first_ = 0, last_ = 1;
 };
 
-/// Inverts values about the largest number in as many bits as the planes use: a camera of 12 bits stays one.
+/// Inverts values about the largest number of the bits that the planes use: a camera of 12 bits stays one.
 void choose_white(const fs::path& path, std::vector<TiffPage>& pages,
                   const std::vector<std::vector<int>>& planes) {
   const SampleMeaning meaning = meaning_of(pages.front());

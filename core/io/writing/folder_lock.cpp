@@ -41,7 +41,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
   const std::shared_ptr<const int> file(new int(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)),
                                         release);
   struct stat found {};
-  if (*file < 0 || ::fstat(*file, &found) != 0) return;  // writing into it tells why
+  if (*file < 0 || ::fstat(*file, &found) != 0) return;  // writing into it reports why
   const std::scoped_lock lock(held().mutex);
   auto& known = held().locks[{found.st_dev, found.st_ino}];
   held_ = known.lock();

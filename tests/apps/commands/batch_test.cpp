@@ -69,7 +69,8 @@ TEST_CASE("each TIFF stack of a folder is a clip") {
   const std::vector<cv::Mat> pages{noise_frame({16, 12}, CV_8UC1, 1), noise_frame({16, 12}, CV_8UC1, 2)};
   for (const char* folder : {"clips/wild", "clips/mutant", "clips/frames"})
     fs::create_directories(temp / folder);
-  for (const char* stack : {"clips/wild/a.tif", "clips/wild/b.tif", "clips/mutant/a.TIF"})
+  for (const char* stack :
+       {"clips/wild/a.tif", "clips/wild/b.tif", "clips/mutant/a.TIF", "clips/mutant/m.stk"})
     write_tiff(temp / stack, pages);
   for (const char* frame : {"clips/frames/f1.tif", "clips/frames/f2.tif"})
     write_tiff(temp / frame, {pages[0]});
@@ -79,9 +80,9 @@ TEST_CASE("each TIFF stack of a folder is a clip") {
     return found;
   };
   const std::string clips = (temp / "clips").string();
-  CHECK(names({clips}) == std::vector<std::string>{"frames", "mutant/a", "wild/a", "wild/b"});
+  CHECK(names({clips}) == std::vector<std::string>{"frames", "mutant/a", "mutant/m", "wild/a", "wild/b"});
   CHECK(names({clips + "/wild", clips + "/mutant"}) ==
-        std::vector<std::string>{"mutant/a", "wild/a", "wild/b"});
+        std::vector<std::string>{"mutant/a", "mutant/m", "wild/a", "wild/b"});
   CHECK(names({clips + "/wild/*.tif"}) == std::vector<std::string>{"a", "b"});
   write_tiff(temp / "clips/wild/single.tif", {pages[0]});
   const auto message = message_of<core::InputError>([&] { apps::plan_runs({clips}); });

@@ -54,7 +54,7 @@ double level(const Read& found, int x, std::size_t t = 0) {
 
 }  // namespace
 
-TEST_CASE("one hot pixel changes nothing but itself, and is told") {
+TEST_CASE("one hot pixel changes nothing but itself, with a warning") {
   const TempFolder temp;
   const auto path = temp / "stack.tif";
   for (const int depth : {CV_16U, CV_32F}) {
@@ -151,7 +151,7 @@ TEST_CASE("floats that are no numbers are masked, and no edge arises at them") {
   CHECK(contains(message_of<core::InputError>([&] { read(path); }), "holds no finite number"));
 }
 
-TEST_CASE("levels outside of what a clip holds are told") {
+TEST_CASE("levels outside of what a clip holds give a warning") {
   const TempFolder temp;
   const auto path = temp / "stack.tif";
   write_tiff(path, ramps(200, 500, CV_16U));

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/io/mask_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/messages.hpp"
@@ -51,7 +52,7 @@ TEST_CASE("a pixel of a mask counts where it is not 0, whatever the largest valu
   }
 }
 
-TEST_CASE("many values in a mask are told, and JPEG's small ones are no part of it") {
+TEST_CASE("many values in a mask give a warning, and JPEG's small ones are no part of it") {
   const TempFolder temp;
   write_masks(temp / "labels", ".png", {{0, 1, 2, 3}});
   io::ReadOptions options;
@@ -65,4 +66,28 @@ TEST_CASE("many values in a mask are told, and JPEG's small ones are no part of 
   options.mask = (temp / "lossy/m0.jpg").string();
   io::MaskClip lossy(options, {32, 24});
   check_columns(lossy.next(), {false, false, true, true});
+}
+
+TEST_CASE("masks of labels count inside wherever a mask is read from an image") {
+  const TempFolder temp;
+  write_masks(temp / "masks", ".png", {{0, 1, 2, 3}, {0, 1, 128, 255}});
+  const auto inside = [&](const char* name) { return io::read_inside((temp / "masks" / name).string()); };
+  const auto soft = [&](const char* name) { return io::read_mask((temp / "masks" / name).string()); };
+  check_columns(inside("m0.png"), {false, true, true, true});
+  check_columns(inside("m1.png"), {false, true, true, true});
+  check_columns(soft("m0.png"), {false, true, true, true});
+  CHECK(soft("m1.png").at<std::uint8_t>(12, 20) == 128);  // half transparent
+}
+
+TEST_CASE("a pixel of a mask counts above half of the brightest value so far, anew in every pass") {
+  const TempFolder temp;
+  write_masks(temp / "lossy", ".jpg", {{0, 30, 80, 100}, {0, 80, 200, 255}});
+  io::ReadOptions options;
+  options.mask = (temp / "lossy").string();
+  io::MaskClip mask(options, {32, 24});
+  for (int pass = 0; pass < 2; ++pass) {
+    check_columns(mask.next(), {false, false, true, true});
+    check_columns(mask.next(), {false, false, true, true});
+    mask.rewind();
+  }
 }

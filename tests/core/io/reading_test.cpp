@@ -131,6 +131,26 @@ TEST_CASE("a video whose frames come at uneven times is told once, one at even t
   CHECK(source.clip.frames.size() == 40);
   REQUIRE(source.told.size() == 1);
   CHECK(contains(source.told[0], "not evenly spaced"));
+  REQUIRE(source.clip.info.times.size() == 40);
+  CHECK(source.clip.info.times[17] == Approx(0.68));
+  CHECK(source.clip.info.times[18] == Approx(0.80));
+  CHECK(source.clip.info.times[39] == Approx(1.64));
+}
+
+TEST_CASE("a part of a clip knows where and when it begins in the source") {
+  const TempFolder temp;
+  write_clip(temp / "clip.avi", 11);
+  io::ReadOptions options;
+  const auto origin = [&] { return io::open_video((temp / "clip.avi").string(), options)->info().origin; };
+  CHECK(origin() == core::ClipOrigin{});
+  options.first = 5, options.every = 2, options.scale = 0.5;
+  CHECK(origin() == core::ClipOrigin{0, 0, 0.2, "source"});
+  options.region = io::parse_region("8,6,20,10");
+  CHECK(origin() == core::ClipOrigin{4, 3, 0.2, "source"});
+  options.fps = 10;
+  CHECK(origin() == core::ClipOrigin{4, 3, 0.5, "source"});
+  options.counts_from_part = true;
+  CHECK(origin() == core::ClipOrigin{0, 0, 0, "part"});
 }
 
 TEST_CASE("every n-th frame, a region and one colour are those of the whole clip") {

@@ -311,6 +311,18 @@ TEST_CASE("a MetaMorph stack has one head and all its pictures") {
     head.stacked = 5, head.one_head = true, head.big_endian = big_endian;
     write_tiff(temp / "clip.stk", frames, head);
     expect_frames(read_warned(temp / "clip.stk").clip, frames);
+    head.stack_ms = {100, 600, 1100, 1600, 2100};
+    write_tiff(temp / "clip.stk", frames, head);
+    const auto even = read_warned(temp / "clip.stk").clip.info;
+    CHECK(even.fps == Approx(2));
+    CHECK(even.times.empty());
+    head.stack_ms = {100, 600, 1100, 3100, 3600};
+    write_tiff(temp / "clip.stk", frames, head);
+    const auto uneven = read_warned(temp / "clip.stk").clip.info;
+    REQUIRE(uneven.times.size() == 5);
+    CHECK(uneven.times[2] == Approx(1));
+    CHECK(uneven.times[3] == Approx(3));
+    CHECK(uneven.fps == Approx(4 / 3.5));
   }
 }
 

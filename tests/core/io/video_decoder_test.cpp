@@ -85,19 +85,70 @@ TEST_CASE("colour video of 10 bits is read with 16 bits a channel") {
       CHECK(std::abs(clip.frames[0].at<cv::Vec<std::uint16_t, 3>>(5, x)[c] - 33 * x * 65535.0 / 1023) <= 130);
 }
 
-TEST_CASE(
-    "pixels that are not square and frames at uneven times are warned of, square and even ones are not") {
+TEST_CASE("pixels that are not square are made so: a line of 45 degrees keeps its angle") {
+  const TempFolder temp;
+  // Stored with pixels of 64:45, x is squeezed; the line is at x = y + 4 where they are square.
+  const StoredVideo wide{.width = 45, .height = 48, .aspect = {64, 45}, .times = {0, 40, 80, 120}};
+  const auto line = [](AVFrame& frame, int) {
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 45; ++x)
+        set_value(frame, 0, x, y, std::abs((x + 0.5) * 64 / 45 - 0.5 - y - 4) < 1.5 ? 200 : 20);
+  };
+  write_stored_video(temp / "wide.mkv", wide, line);
+  const std::string warnings = video_warnings(temp / "wide.mkv");
+  CHECK(contains(warnings, "64:45"));
+  CHECK(contains(warnings, "45x48 are resampled to 64x48"));
+  const core::Clip clip = read_clip(temp / "wide.mkv");
+  CHECK(clip.info.width == 64);
+  for (int y = 8; y < 40; ++y) {
+    double sum = 0, moment = 0;
+    for (int x = 0; x < 64; ++x) {
+      const double level = std::max(0, clip.frames[1].at<std::uint8_t>(y, x) - 60);
+      sum += level, moment += level * x;
+    }
+    CHECK(std::abs(moment / sum - y - 4) < 1);
+  }
+  write_stored_video(temp / "high.mkv", {.aspect = {1, 2}, .times = {0, 40}}, [](AVFrame& frame, int) {
+    for (int x = 0; x < 32; ++x) set_value(frame, 0, x, 0, 9);
+  });
+  CHECK(read_clip(temp / "high.mkv").frames[0].size() == cv::Size(32, 32));
+}
+
+TEST_CASE("each frame of a video has the time of its own time stamp") {
   const TempFolder temp;
   const auto plain = [](AVFrame& frame, int t) {
     for (int y = 0; y < 16; ++y)
       for (int x = 0; x < 32; ++x) set_value(frame, 0, x, y, 10 * t + x);
   };
-  write_stored_video(temp / "plain.mkv", {.times = {0, 40, 80, 120}}, plain);
-  CHECK(video_warnings(temp / "plain.mkv").empty());
-  write_stored_video(temp / "wide.mkv", {.aspect = {64, 45}, .times = {0, 40, 80, 120}}, plain);
-  CHECK(contains(video_warnings(temp / "wide.mkv"), "64:45"));
-  write_stored_video(temp / "uneven.mkv", {.times = {0, 33, 66, 99, 199, 299, 399}}, plain);
-  CHECK(contains(video_warnings(temp / "uneven.mkv"), "not evenly spaced"));
+  write_stored_video(temp / "even.mkv", {.times = {0, 33, 67, 100, 133, 167, 200}}, plain);  // 30 a second
+  CHECK(video_warnings(temp / "even.mkv").empty());
+  CHECK(read_clip(temp / "even.mkv").info.times.empty());
+
+  const auto path = temp / "uneven.mkv";
+  write_stored_video(path, {.times = {80, 113, 146, 179, 279, 379, 479}}, plain);
+  CHECK(contains(video_warnings(path), "not evenly spaced in time (0.033 to 0.1 s apart)"));
+  const auto close = [](const std::vector<double>& found, const std::vector<double>& expected) {
+    REQUIRE(found.size() == expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) CHECK(found[i] == Approx(expected[i]).margin(1e-9));
+  };
+  const core::Clip clip = read_clip(path);
+  CHECK(clip.frames.size() == 7);
+  close(clip.info.times, {0, 0.033, 0.066, 0.099, 0.199, 0.299, 0.399});
+  CHECK(clip.info.fps == Approx(6 / 0.399));
+
+  io::ReadOptions part;
+  part.first = 2, part.every = 2;
+  const auto source = read_clip(path, part).info;
+  close(source.times, {0.066, 0.199, 0.399});
+  CHECK(source.fps == Approx(2 / 0.333));
+  CHECK(source.origin.seconds == Approx(0.066));
+  CHECK(source.origin.counted_from == "source");
+  part.counts_from_part = true;
+  const auto own = read_clip(path, part).info;
+  close(own.times, {0, 0.133, 0.333});
+  CHECK(own.origin == core::ClipOrigin{0, 0, 0, "part"});
+  part.fps = 10;  // whatever the file says
+  CHECK(read_clip(path, part).info.times.empty());
 }
 
 TEST_CASE("a stream whose pictures change their size is refused at the frame where they do") {

@@ -3,6 +3,7 @@
 #include "dytex/learning/dynamics.hpp"
 
 #include <complex>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "dytex/learning/stable_fit.hpp"
@@ -235,6 +236,21 @@ TEST_CASE("Without noise in the coordinates all methods agree", "[dytex][dynamic
   const detail::Block block = test::principal_axes(course(A, test::normals(4, 3000, 7))).block;
   for (const Method method : {Method::closed_form, Method::n4sid, Method::prediction_error})
     CHECK(test::eigenvalue_error(detail::fit_dynamics({block}, with(method)).A, A) < 0.03);
+}
+
+TEST_CASE("Waves without noise stay undamped and keep their variance", "[dytex][dynamics]") {
+  const Eigen::MatrixXd A = turning(1, {2 * std::numbers::pi / 12, 2 * std::numbers::pi / 7});
+  Eigen::MatrixXd begin = Eigen::MatrixXd::Zero(4, 420);
+  begin.col(0) << 30, 0, 10, 0;
+  // As frames of floats round.
+  const auto block = test::principal_axes(course(A, begin).cast<float>().cast<double>()).block;
+  const detail::Dynamics fit = detail::fit_dynamics({block}, {});
+  CHECK(fit.transition == Transition::least_squares);
+  CHECK(fit.notes.size() == 1);
+  CHECK(test::eigenvalue_error(fit.A, A) < 1e-6);
+  CHECK(spectral_radius(fit.A) < 1);
+  const double drawn = detail::variance_within(fit.A, fit.B, 420).sum();
+  CHECK(drawn == Approx(fit.states.squaredNorm() / 420).epsilon(0.02));
 }
 
 TEST_CASE("Resampled noise keeps the moments that normal noise loses", "[dytex][dynamics]") {

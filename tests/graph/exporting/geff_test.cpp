@@ -158,6 +158,15 @@ TEST_CASE("traccuracy and motile read a GEFF: whole frames, forwards, one graph"
     CHECK_FALSE(about.at("edge_props_metadata").contains(name));
 }
 
+TEST_CASE("A GEFF of a part of a clip whose frames are not evenly spaced counts from the source",
+          "[graph][exporting]") {
+  const Geff geff = exported({0.2, 0.5, {1, 1.1, 1.3, 1.6}, {10, 20, 1, "source"}});
+  CHECK(geff.about().at("axes")[0].at("offset") == 1);
+  CHECK(geff.values<double>("nodes/props/time_s/values") == std::vector<double>{1, 1.1, 1, 1.1, 1.3, 1.6});
+  CHECK(geff.values<double>("nodes/props/x/values").back() == Approx(17.5));
+  CHECK(geff.values<double>("nodes/props/y/values").back() == Approx(35));
+}
+
 TEST_CASE("A GEFF without a known rate has frames, pixels and no scale; one without strokes is whole",
           "[graph][exporting]") {
   const Json axes = exported().about().at("axes");

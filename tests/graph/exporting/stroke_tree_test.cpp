@@ -57,6 +57,10 @@ TEST_CASE("Strokes of a TrackMate file lie in micrometres and seconds", "[graph]
   CHECK_THAT(out.str(), test::Contains("POSITION_X=\"12.5\" POSITION_Y=\"25\"") &&
                             test::Contains("POSITION_T=\"0.6") && test::Contains("RADIUS=\"7.5\"") &&
                             test::Contains("LENGTH=\"15\""));
+  clip.units.times = {0, 0.1, 0.3, 0.7}, clip.units.origin = {10, 0, 0, "source"};
+  std::ostringstream uneven;
+  graph::write_trackmate(uneven, tree, clip);
+  CHECK_THAT(uneven.str(), test::Contains("POSITION_X=\"17.5\"") && test::Contains("POSITION_T=\"0.7\""));
   CHECK_THAT(out.str(), test::Contains("SPOT_SOURCE_ID=\"3\" SPOT_TARGET_ID=\"4\" LINK_COST=\"0.28768207"));
 }
 

@@ -137,6 +137,19 @@ TEST_CASE("footage synthesis: a loop repeats itself to the byte") {
   CHECK(std::abs(at(48) - (at(47) + at(49)) / 2) < 0.3);
 }
 
+TEST_CASE("footage synthesis: a loop of whole periods of the footage is the footage itself") {
+  const auto footage = travelling_waves(80);  // a period has 16 frames
+  for (const int loop : {16, 48, 112}) {
+    const auto frames = draw(footage, {.seed = 3, .loop = loop}, loop + 1);
+    const auto first = std::ranges::find_if(
+        footage, [&](const cv::Mat& frame) { return cv::norm(frame, frames[0], cv::NORM_INF) == 0; });
+    REQUIRE(first != footage.end());
+    const auto phase = static_cast<std::size_t>(first - footage.begin());
+    for (std::size_t t = 0; t < frames.size(); ++t)
+      CHECK(cv::norm(frames[t], footage[(phase + t) % 16], cv::NORM_INF) <= 1);  // rounding
+  }
+}
+
 TEST_CASE("footage synthesis: the same bytes at any number of threads and of calls, others of another seed") {
   const auto footage = travelling_waves(40);
   const auto all = draw(footage, {.seed = 7}, 40);
