@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -73,6 +74,21 @@ class Ramps {
   std::vector<double> others_;
 };
 
+// What does not depend on where a curve was entered, nor on its direction.
+double total_contrast(const Chain& chain) {
+  double sum = 0;
+  for (const CreasePoint& p : chain.points) sum += p.contrast;
+  return sum;
+}
+
+// A closed curve that begins at its point of most contrast.
+Chain from_its_strongest(Chain chain) {
+  if (!chain.closed) return chain;
+  const auto strongest = std::ranges::max_element(chain.points, {}, &CreasePoint::contrast);
+  std::rotate(chain.points.begin(), strongest, chain.points.end());
+  return chain;
+}
+
 // Chooses which sections of a curve are on, with a cost for each free end; exact (Viterbi 1967).
 void choose(std::span<const double> gain, double end_cost, bool closed, std::vector<char>& on) {
   const std::size_t n = gain.size();
@@ -103,9 +119,10 @@ class Selection {
   }
 
   void add(std::vector<Chain> chains) {
+    std::ranges::sort(chains, std::greater<>(), total_contrast);
     for (Chain& chain : chains) {
       const std::size_t level = median_level(chain.points, space_);
-      Candidate candidate{std::move(chain), &shapes_[level], {}};
+      Candidate candidate{from_its_strongest(std::move(chain)), &shapes_[level], {}};
       const double length = std::clamp(1.5 * space_[level].sigma, 4.0, 8.0);
       for (const CurveSection& section : cut_into_sections(candidate.chain, length))
         candidate.trials.push_back({.section = section, .levels = {}});
