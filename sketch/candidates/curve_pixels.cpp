@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 namespace emberfold::sketch {
 
@@ -12,7 +13,7 @@ namespace {
 
 // The points of a section and some of its neighbours', single precision for vectors.
 struct NearPoints {
-  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kMost = 48;  // sections have some 15 points
   std::array<float, kMost> x, y, nx, ny;
   std::size_t count = 0, first = 0, last = 0;  // the section's own
   bool start = false, end = false;             // the curve ends freely there
@@ -20,22 +21,24 @@ struct NearPoints {
 };
 
 NearPoints near_points(const Chain& chain, const CurveSection& section) {
-  constexpr std::uint32_t kOwn = 12, kAround = 4;
+  constexpr std::ptrdiff_t kAround = 4;
   NearPoints near{};
-  const auto all = static_cast<std::uint32_t>(chain.points.size());
-  const std::uint32_t stride = (section.last - section.first + kOwn - 1) / kOwn;
-  const std::uint32_t before = std::min(kAround, section.first / stride);
-  near.start = section.first == 0 && !chain.closed;
-  near.end = section.last == all && !chain.closed;
-  for (std::uint32_t i = section.first - before * stride;
-       i < std::min(all, section.last + kAround * stride) && near.count < NearPoints::kMost; i += stride) {
-    const CreasePoint& p = chain.points[i];
+  const auto all = std::ssize(chain.points), first = std::ptrdiff_t{section.first},
+             last = std::ptrdiff_t{section.last};
+  near.start = first == 0 && !chain.closed;
+  near.end = last == all && !chain.closed;
+  const auto most = static_cast<std::ptrdiff_t>(NearPoints::kMost);
+  const std::ptrdiff_t from = chain.closed ? first - kAround : std::max<std::ptrdiff_t>(first - kAround, 0),
+                       to = std::min(chain.closed ? last + kAround : std::min(last + kAround, all),
+                                     from + most);
+  for (std::ptrdiff_t i = from; i < to; ++i) {
+    const CreasePoint& p = chain.points[static_cast<std::size_t>((i + all) % all)];
     const std::size_t k = near.count++;
     near.x[k] = static_cast<float>(p.position.x), near.y[k] = static_cast<float>(p.position.y);
     near.nx[k] = static_cast<float>(-std::sin(p.theta)), near.ny[k] = static_cast<float>(std::cos(p.theta));
-    if (i < section.first) near.first = k + 1;
-    if (i < section.last) near.last = k + 1;
-    if (i < section.first || i >= section.last) continue;
+    if (i < first) near.first = k + 1;
+    if (i < last) near.last = k + 1;
+    if (i < first || i >= last) continue;
     near.left = std::min(near.left, near.x[k]), near.right = std::max(near.right, near.x[k]);
     near.top = std::min(near.top, near.y[k]), near.bottom = std::max(near.bottom, near.y[k]);
   }

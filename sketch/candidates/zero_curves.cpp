@@ -128,8 +128,17 @@ class Tracer {
   std::vector<Crossing> crossings_;
 };
 
+// Whether the ends of a curve are neighbours: where an edge touches another, a side is met thrice, and a ring
+// may be left open there.
+bool ends_touch(const std::vector<const Crossing*>& curve) {
+  constexpr double kTouching = 1.5;         // px
+  constexpr std::size_t kFewestOfRing = 8;  // points
+  return curve.size() >= kFewestOfRing &&
+         distance(curve.front()->position, curve.back()->position) < kTouching;
+}
+
 Chain make_chain(const std::vector<const Crossing*>& curve, bool closed, double to_contrast, int index) {
-  Chain chain{CreaseKind::step, {}, closed, {0, 0}};
+  Chain chain{CreaseKind::step, {}, closed || ends_touch(curve), {0, 0}};
   chain.points.reserve(curve.size());
   for (const Crossing* c : curve) {
     CreasePoint p;

@@ -67,6 +67,7 @@ TEST_CASE("Every disc keeps one closed outline, sharp or blurred, at one scale")
     const auto chains = chosen(with_noise(discs(places, blur), 2, 5), {}, 2);
     CHECK(chains.size() == places.size());
     for (const Chain& c : chains) {
+      INFO("blur " << blur << ", " << c.points.size() << " points at " << c.points[0].position.x);
       CHECK(c.closed);
       const auto near = std::ranges::min(places, {}, [&](const auto& place) {
         return std::abs(graph::distance(c.points[0].position, place.first) - place.second);
@@ -82,7 +83,7 @@ TEST_CASE("A narrow line keeps its axis; its flanks are not drawn as well") {
   const auto frame = draw({120, 90}, {segment(a, b, 3, 1)}, 60, 90);
   const auto chains = chosen(frame, {line_chain(a, b, sketch::CreaseKind::ridge)});
   CHECK(length_of(chains, false) > 75);
-  CHECK(length_of(chains, true) < 20);  // about its ends
+  CHECK(length_of(chains, true) < 30);  // about its two ends, of 160 px of flanks
 }
 
 TEST_CASE("A line down the middle of a wide shape goes, and the shape keeps its outline") {
