@@ -47,7 +47,7 @@ TEST_CASE("clips beside each other are as high as they should be") {
   CHECK(std::abs(pixel(380)[1] - 30) < 12);
 }
 
-TEST_CASE("compare holds a clip against its models and writes all that it names") {
+TEST_CASE("compare holds a clip against its models and writes all that it names", "[slow]") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {81, 60}, 40);
   for (const std::string threads : {"1", "3"}) {
@@ -106,7 +106,7 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
     CHECK(contains(page, part));
 }
 
-TEST_CASE("compare draws clips of any length and predicts with what it may learn from") {
+TEST_CASE("compare draws clips of any length and predicts with what it may learn from", "[slow]") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {60, 48}, 24, 4);
   const auto run = [&](const std::vector<std::string>& more) {

@@ -139,7 +139,7 @@ TEST_CASE("dytex writes the same bytes at any number of threads") {
   }
 }
 
-TEST_CASE("what a model is learned by is asked for by words and told in the summary") {
+TEST_CASE("what a model is learned by is asked for by words and told in the summary", "[slow]") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {40, 32}, 60);
   const auto learn = [&](const std::vector<std::string>& more) {

@@ -59,7 +59,7 @@ TEST_CASE("no command writes its clip onto the clip that it reads, whatever the 
   made.refuse({"quilt", made.mask, "-o", made.mask}, made.mask, made.mask);
 }
 
-TEST_CASE("no command writes into the folder or the pattern of images that it reads") {
+TEST_CASE("no command writes into the folder or the pattern of images that it reads", "[slow]") {
   const Sources made;
   fs::create_directory_symlink(made.frames, made.at("link"));
   for (const std::string& input :

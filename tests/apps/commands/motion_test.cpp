@@ -54,7 +54,7 @@ std::vector<std::string> join(std::vector<std::string> a, const std::vector<std:
 
 }  // namespace
 
-TEST_CASE("a clip drawn of an edited model is that of synth with the same edits") {
+TEST_CASE("a clip drawn of an edited model is that of synth with the same edits", "[slow]") {
   const auto& made = learned();
   const auto mask = (made.temp / "mask.png").string();
   cv::Mat picture(120, 160, CV_8U, cv::Scalar(0));

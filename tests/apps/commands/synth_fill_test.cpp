@@ -17,7 +17,7 @@ using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
 
-TEST_CASE("analyze learns what lies between strokes where asked, and synth draws it in step") {
+TEST_CASE("analyze learns what lies between strokes where asked, and synth draws it in step", "[slow]") {
   const LearnedClip made(24);
   const auto folder = (made.temp / "b").string(), model = folder + "/model";
   for (const char* threads : {"1", "4"}) {

@@ -149,7 +149,8 @@ TEST_CASE("a grey clip's model draws grey frames") {
   }
 }
 
-TEST_CASE("models and new clips are the same bytes at any number of threads, and others for another seed") {
+TEST_CASE("models and new clips are the same bytes at any number of threads, and others for another seed",
+          "[slow]") {
   const LearnedClip made;
   for (const char* threads : {"1", "2", "8"}) {
     const std::string folder = (made.temp / threads).string();
