@@ -68,9 +68,8 @@ void bind_sketch(py::module_& module) {
           return pipeline::sketch_clip(*clip.open(), options, context).sketch;
         }));
       },
-      py::arg("clip"),
-      py::arg("options") = pipeline::kSteadySketch,
-      py::arg("progress") = py::none(), doc("pipeline::sketch_clip"));
+      py::arg("clip"), py::arg("options") = pipeline::kSteadySketch, py::arg("progress") = py::none(),
+      doc("pipeline::sketch_clip"));
 }
 
 }  // namespace emberfold::python

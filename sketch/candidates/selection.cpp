@@ -213,7 +213,9 @@ class Selection {
     for (const CreasePoint& p : c.chain.points) {
       const int x = std::clamp(static_cast<int>(std::lround(p.position.x)), 0, luma_.cols - 1),
                 y = std::clamp(static_cast<int>(std::lround(p.position.y)), 0, luma_.rows - 1);
-      const float best = explained_[static_cast<std::size_t>(y * luma_.cols + x)].best;
+      const float best = explained_[static_cast<std::size_t>(y) * static_cast<std::size_t>(luma_.cols) +
+                                    static_cast<std::size_t>(x)]
+                             .best;
       count += best >= 0 && double{best} <= kWell * variance_ ? 1 : 0;
     }
     return static_cast<double>(count) > kNearly * static_cast<double>(c.chain.points.size());

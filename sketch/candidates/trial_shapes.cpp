@@ -33,7 +33,7 @@ double RampSums::residual() const {
 }
 
 int TrialShapes::bin_at(double across) const {
-  return static_cast<int>(across / bin + half + 0.5);  // ≥ 0
+  return static_cast<int>(across / bin + half + 0.5);  // NOLINT(bugprone-incorrect-roundings): ≥ 0
 }
 
 TrialShapes make_trial_shapes(double sigma) {

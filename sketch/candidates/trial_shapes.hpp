@@ -39,7 +39,7 @@ struct TrialShapes {
   std::vector<TrialShape> steps, bars;
 
   /// Returns the number of bins.
-  [[nodiscard]] std::size_t bins() const { return static_cast<std::size_t>(2 * half + 1); }
+  [[nodiscard]] std::size_t bins() const { return 2 * static_cast<std::size_t>(half) + 1; }
   /// Returns the index of the bin at this distance, which is at most reach(), in size.
   [[nodiscard]] int bin_at(double across) const;
   /// Returns the greatest distance that has a bin, px.

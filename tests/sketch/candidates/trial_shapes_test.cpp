@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 
-#include "core/rng.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/sketch_scene.hpp"
 
@@ -36,10 +35,10 @@ RampSums sum_of(const std::vector<RampSums>& bins, const sketch::TrialShape& sha
 
 TEST_CASE("A ramp's residual is that of an ordinary least-squares line") {
   RampSums sums;
-  core::Rng rng(3);
   double squares = 0;
   for (int i = 0; i < 200; ++i) {
-    const double across = i / 2 - 50;  // pairs: the line through them is exact, the noise alternates
+    const int pair = i / 2;
+    const double across = pair - 50;  // pairs: the line through them is exact, the noise alternates
     const double noise = i % 2 == 0 ? 1.5 : -1.5;
     sums.add(7 + 0.3 * across + noise, across);
     squares += noise * noise;
@@ -49,7 +48,8 @@ TEST_CASE("A ramp's residual is that of an ordinary least-squares line") {
   parts.add(1, 0), parts.add(4, 1), other.add(5, 2), other.add(0, 3);
   parts.add(other);
   CHECK(parts.n == 4);
-  CHECK_THAT(parts.residual(), WithinAbs(16.8, 1e-9));  // of 1, 4, 5, 0 about their mean 2.5: the slope is −0.2
+  CHECK_THAT(parts.residual(),
+             WithinAbs(16.8, 1e-9));  // of 1, 4, 5, 0 about their mean 2.5: the slope is −0.2
 }
 
 TEST_CASE("Steps and bars of every trial shape come back with their levels") {
