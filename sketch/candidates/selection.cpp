@@ -2,7 +2,6 @@
 #include "sketch/candidates/selection.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +10,8 @@
 #include <utility>
 
 #include "sketch/candidates/curve_pixels.hpp"
+#include "sketch/candidates/ramps.hpp"
+#include "sketch/candidates/section_choice.hpp"
 #include "sketch/candidates/trial_shapes.hpp"
 
 namespace emberfold::sketch {
@@ -49,64 +50,19 @@ double level_at(const Trial& t, const TrialShapes& shapes, double across) {
   return t.levels.left + a * (t.levels.middle - t.levels.left) + b * (t.levels.right - t.levels.middle);
 }
 
-// Ramps over the pixels of a section that lie between those that others explain.
-class Ramps {
- public:
-  void reset(std::size_t bins) { own_.assign(bins, {}), others_.assign(bins, 0); }
-  void add(int bin, double level, double across) { own_[static_cast<std::size_t>(bin)].add(level, across); }
-  void add_other(int bin) { others_[static_cast<std::size_t>(bin)] += 1; }
-  [[nodiscard]] double residual() const {
-    double sum = 0;
-    RampSums run;
-    for (std::size_t k = 0; k < own_.size(); ++k) {
-      if (others_[k] <= own_[k].n) {
-        run.add(own_[k]);
-        continue;
-      }
-      sum += run.residual();
-      run = {};
-    }
-    return sum + run.residual();
-  }
-
- private:
-  std::vector<RampSums> own_;
-  std::vector<double> others_;
-};
-
-// What does not depend on where a curve was entered, nor on its direction.
+// Does not depend on where a curve was entered, nor on its direction.
 double total_contrast(const Chain& chain) {
   double sum = 0;
   for (const CreasePoint& p : chain.points) sum += p.contrast;
   return sum;
 }
 
-// A closed curve that begins at its point of most contrast.
+// Lets a closed curve begin at its point of most contrast.
 Chain from_its_strongest(Chain chain) {
   if (!chain.closed) return chain;
   const auto strongest = std::ranges::max_element(chain.points, {}, &CreasePoint::contrast);
   std::rotate(chain.points.begin(), strongest, chain.points.end());
   return chain;
-}
-
-// Chooses which sections of a curve are on, with a cost for each free end; exact (Viterbi 1967).
-void choose(std::span<const double> gain, double end_cost, bool closed, std::vector<char>& on) {
-  const std::size_t n = gain.size();
-  std::vector<std::array<char, 2>> from(n);
-  double off = 0, in = closed ? 0 : -end_cost;
-  for (std::size_t i = 0; i < n; ++i) {
-    from[i] = {static_cast<char>(in - end_cost > off ? 1 : 0),
-               static_cast<char>(in >= off - end_cost ? 1 : 0)};
-    const double to_off = std::max(off, in - end_cost);
-    in = std::max(in, off - end_cost) + gain[i];
-    off = i == 0 ? 0 : to_off;
-  }
-  char state = in - (closed ? 0 : end_cost) > off ? 1 : 0;
-  on.assign(n, 0);
-  for (std::size_t i = n; i-- > 0;) {
-    on[i] = state;
-    state = i == 0 ? state : from[i][static_cast<std::size_t>(state)];
-  }
 }
 
 class Selection {
@@ -195,7 +151,7 @@ class Selection {
       if (!t.on) t.gain = try_profile(c, t);
       gains_.push_back(t.gain);
     }
-    choose(gains_, kEndCost, c.chain.closed, on_);
+    on_ = choose_sections(gains_, kEndCost, c.chain.closed);
     bool any = false;
     for (std::size_t i = 0; i < on_.size(); ++i) {
       Trial& t = c.trials[i];
@@ -354,7 +310,7 @@ class Selection {
                                               : loss(candidate, t, static_cast<std::int32_t>(c)));
       }
       if (!any) continue;
-      choose(gains_, kEndCost, candidate.chain.closed, on_);
+      on_ = choose_sections(gains_, kEndCost, candidate.chain.closed);
       if (is_line(candidate)) on_.assign(gains_.size(), sum_of(candidate, gains_) >= 0 ? 1 : 0);
       double nats = 0;
       bool less = false;

@@ -26,12 +26,6 @@ TrialShape tabulate(double width, double blur, const TrialShapes& of) {
 
 }  // namespace
 
-double RampSums::residual() const {
-  if (n < 3) return 0;
-  const double svv = vv - v * v / n, svi = vi - v * i / n, sii = ii - i * i / n;
-  return std::max(0.0, svv > 1e-6 ? sii - svi * svi / svv : sii);
-}
-
 int TrialShapes::bin_at(double across) const {
   return static_cast<int>(across / bin + half + 0.5);  // NOLINT(bugprone-incorrect-roundings): ≥ 0
 }

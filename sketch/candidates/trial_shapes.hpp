@@ -5,21 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "sketch/candidates/ramps.hpp"
+
 namespace emberfold::sketch {
-
-/// Holds the least-squares sums of levels over signed distances from a curve.
-struct RampSums {
-  double n = 0, i = 0, ii = 0, v = 0, vv = 0, vi = 0;
-
-  /// Adds a pixel of this level at this distance.
-  void add(double level, double across) {
-    n += 1, i += level, ii += level * level, v += across, vv += across * across, vi += across * level;
-  }
-  /// Adds the sums of other pixels.
-  void add(const RampSums& o) { n += o.n, i += o.i, ii += o.ii, v += o.v, vv += o.vv, vi += o.vi; }
-  /// Returns the sum of squares about the best even ramp.
-  [[nodiscard]] double residual() const;
-};
 
 /// Holds a blurred step or bar, tabulated at evenly spaced distances from its curve.
 struct TrialShape {

@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kStep = 0.5;                               // px between samples across
 constexpr std::array kSamples{-2.5, -1.25, 0., 1.25, 2.5};  // px, samples along
-constexpr double kLeastReach = 3, kMostReach = 12;          // px to each side
+constexpr double kLeastSide = 3, kMostSide = 12;            // px to each side
 constexpr double kOfSlip = 0.02;           // of the amplitude, what a px of slip has to be worth
 constexpr double kLeastDifference = 1e-3;  // grey levels
 
@@ -152,7 +152,7 @@ std::vector<double> profile_across(const Patch& patch, const ProfileShape& shape
 Amplitude measure_amplitude(const cv::Mat& levels, const Patch& patch, double slip) {
   if (patch.type == graph::PatchType::blob) return {};
   const ProfileShape shape(patch);
-  const double reach = std::clamp(shape.half_width + 2 * shape.blur, kLeastReach, kMostReach) + 1;
+  const double reach = std::clamp(shape.half_width + 2 * shape.blur, kLeastSide, kMostSide) + 1;
   const int half = static_cast<int>(reach / kStep), slips = static_cast<int>(slip / kStep);
   const auto seen = levels.depth() == CV_8U ? levels_across<std::uint8_t>(levels, patch, half + slips)
                                             : levels_across<float>(levels, patch, half + slips);

@@ -33,25 +33,6 @@ RampSums sum_of(const std::vector<RampSums>& bins, const sketch::TrialShape& sha
 
 }  // namespace
 
-TEST_CASE("A ramp's residual is that of an ordinary least-squares line") {
-  RampSums sums;
-  double squares = 0;
-  for (int i = 0; i < 200; ++i) {
-    const int pair = i / 2;
-    const double across = pair - 50;  // pairs: the line through them is exact, the noise alternates
-    const double noise = i % 2 == 0 ? 1.5 : -1.5;
-    sums.add(7 + 0.3 * across + noise, across);
-    squares += noise * noise;
-  }
-  CHECK_THAT(sums.residual(), WithinRel(squares, 1e-9));
-  RampSums parts, other;
-  parts.add(1, 0), parts.add(4, 1), other.add(5, 2), other.add(0, 3);
-  parts.add(other);
-  CHECK(parts.n == 4);
-  CHECK_THAT(parts.residual(),
-             WithinAbs(16.8, 1e-9));  // of 1, 4, 5, 0 about their mean 2.5: the slope is −0.2
-}
-
 TEST_CASE("Steps and bars of every trial shape come back with their levels") {
   for (const double sigma : {1.2, 3.4}) {
     const auto shapes = sketch::make_trial_shapes(sigma);
