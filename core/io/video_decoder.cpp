@@ -334,9 +334,9 @@ class VideoFileDecoder final : public FrameDecoder {
     if (!scaler_ || kind != kind_) make_scaler(size, kind);
     std::uint8_t* rows[4] = {padded_.data};
     const int steps[4] = {static_cast<int>(padded_.step)};
-    if (sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rows, steps) != square_.height)
+    if (sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rows, steps) != frame.height)
       throw core::IoError(path_.string() + ": frame " + std::to_string(position_) + " cannot be converted");
-    const cv::Mat levels = padded_.colRange(0, square_.width);
+    const cv::Mat levels = padded_.colRange(0, frame.width);
     if (!turn_) return levels.clone();
     cv::Mat turned;
     cv::rotate(levels, turned, *turn_);
@@ -344,11 +344,11 @@ class VideoFileDecoder final : public FrameDecoder {
   }
 
   void make_scaler(cv::Size size, const PixelKind& kind) {
-    if (!scaler_) square_ = square_size(size);
+    if (!scaler_) check_shape();
     stored_ = size, kind_ = kind;
     constexpr int kBlock = 64;  // px: swscale writes whole vectors, beyond the end of a row
-    padded_.create(square_.height, (square_.width / kBlock + 1) * kBlock, kind.type());
-    scaler_.reset(sws_getContext(size.width, size.height, kind.stored, square_.width, square_.height,
+    padded_.create(size.height, (size.width / kBlock + 1) * kBlock, kind.type());
+    scaler_.reset(sws_getContext(size.width, size.height, kind.stored, size.width, size.height,
                                  kind.converted(), SWS_BICUBIC, nullptr, nullptr, nullptr));
     if (!scaler_)
       throw core::IoError("cannot read " + path_.string() + ": its pixels (" +
@@ -360,24 +360,17 @@ class VideoFileDecoder final : public FrameDecoder {
     }
   }
 
-  /// Returns the size at which the frame's pixels are square: one side grows. Throws core::IoError for a
-  /// shape that no camera has.
-  [[nodiscard]] cv::Size square_size(cv::Size size) const {
-    constexpr double kSquare = 1e-3, kMostShape = 8;
+  /// Warns of pixels that are not square. Frames stay as stored, so that places in them are those of the
+  /// file.
+  void check_shape() const {
+    constexpr double kSquare = 1e-3;
     const AVRational aspect = stream_->pixel_aspect();
-    const double shape = ratio(aspect), longer = std::max(shape, 1 / shape);
-    if (shape == 0 || longer < 1 + kSquare) return size;
-    const std::string words = std::to_string(aspect.num) + ":" + std::to_string(aspect.den);
-    if (longer > kMostShape)
-      throw core::IoError("cannot read " + path_.string() + ": its pixels are " + words +
-                          " wide to high; set their shape first (ffmpeg -vf setsar=1)");
-    int& side = shape > 1 ? size.width : size.height;
-    const cv::Size before = size;
-    side = static_cast<int>(std::lround(side * longer));
-    report(warn_, path_.string() + ": its pixels are " + words + " wide to high; frames of " +
-                      core::size_text(before) + " are resampled to " + core::size_text(size) +
-                      " square pixels");
-    return size;
+    const double shape = ratio(aspect);
+    if (shape == 0 || std::abs(shape - 1) < kSquare) return;
+    report(warn_, path_.string() + ": its pixels are " + std::to_string(aspect.num) + ":" +
+                      std::to_string(aspect.den) +
+                      " wide to high; angles and lengths are measured as if they were square, so scale the "
+                      "clip first (ffmpeg -vf scale=iw*sar:ih,setsar=1)");
   }
 
   cv::Mat end() {
@@ -397,7 +390,6 @@ class VideoFileDecoder final : public FrameDecoder {
   std::optional<FrameStream> stream_;
   Owned<SwsContext> scaler_;
   cv::Size stored_;  ///< px of the frames in the stream
-  cv::Size square_;  ///< px of the same where pixels are square
   cv::Mat padded_;   ///< a converted frame with some columns more
   PixelKind kind_;
   std::optional<cv::RotateFlags> turn_;
