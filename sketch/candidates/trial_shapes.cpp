@@ -5,21 +5,19 @@
 #include <cmath>
 #include <cstddef>
 
+#include "sketch/patches/profile_shape.hpp"
+
 namespace emberfold::sketch {
 
 namespace {
-
-double normal_cdf(double x) {
-  return 0.5 * std::erfc(-x * 0.70710678118654752);
-}
 
 TrialShape tabulate(double width, double blur, const TrialShapes& of) {
   constexpr double kPlain = 1.5;  // px of each side beyond two blurs
   TrialShape shape{width, blur, std::min(0.5 * width + 2 * blur + kPlain, of.reach()), 0, {}, {}};
   shape.bins = std::min(of.half, static_cast<int>(std::floor(shape.reach / of.bin + 0.5)));
   for (int k = -of.half; k <= of.half; ++k) {
-    shape.first.push_back(static_cast<float>(normal_cdf((k * of.bin + 0.5 * width) / blur)));
-    shape.second.push_back(static_cast<float>(normal_cdf((k * of.bin - 0.5 * width) / blur)));
+    shape.first.push_back(static_cast<float>(blurred_step((k * of.bin + 0.5 * width) / blur)));
+    shape.second.push_back(static_cast<float>(blurred_step((k * of.bin - 0.5 * width) / blur)));
   }
   return shape;
 }
@@ -31,16 +29,16 @@ int TrialShapes::bin_at(double across) const {
 }
 
 TrialShapes make_trial_shapes(double sigma) {
-  constexpr double kLeastBlur = 0.45;  // px: a pixel is 0.29, interpolated curves are off by as much again
+  constexpr double kSharpest = 0.45;  // px: a pixel is 0.29, interpolated curves are off by as much again
   TrialShapes shapes;
   shapes.bin = std::max(0.5, 0.25 * sigma);
   shapes.half = static_cast<int>(std::ceil((3 + 3 * sigma) / shapes.bin));
   for (const double blur : {0.4, 0.8, 1.3})
-    shapes.steps.push_back(tabulate(0, std::max(blur * sigma, kLeastBlur), shapes));
+    shapes.steps.push_back(tabulate(0, std::max(blur * sigma, kSharpest), shapes));
   for (const double size : {0.65, 0.85, 1.1, 1.45})
     for (const double box : {0.2, 0.6, 0.95})  // share of the variance that is the core's
       shapes.bars.push_back(tabulate(std::sqrt(12 * box) * size * sigma,
-                                     std::max(std::sqrt(1 - box) * size * sigma, kLeastBlur), shapes));
+                                     std::max(std::sqrt(1 - box) * size * sigma, kSharpest), shapes));
   return shapes;
 }
 
