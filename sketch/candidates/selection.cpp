@@ -113,14 +113,16 @@ class Selection {
   }
 
  private:
-  // Nats for an end of a curve: a place among some 400. Set by hand; 2 to 12 change the scores of droplets by
-  // .02.
+  // Nats for an end of a curve: a place among some 400. Set by hand.
   static constexpr double kEndCost = 6;
   // Numbers that a section has beyond an even ramp: the levels of both sides and a place of a step. A line
   // has paid where it was found; it pays a little again, so that it goes where outlines explain all of it.
   static constexpr double kStepNumbers = 3, kLineNumbers = 0.1;
 
   static bool is_line(const Candidate& c) { return c.chain.kind != CreaseKind::step; }
+  static const std::vector<TrialShape>& shapes_of(const Candidate& c) {
+    return is_line(c) ? c.shapes->bars : c.shapes->steps;
+  }
 
   static double sum_of(const Candidate& c, const std::vector<double>& nats) {
     double sum = 0;
@@ -183,8 +185,7 @@ class Selection {
     if (t.end > t.begin) return gain(c, t);
     t.begin = pixels_.size();
     double reach = 0;
-    for (const TrialShape& shape : c.chain.kind == CreaseKind::step ? c.shapes->steps : c.shapes->bars)
-      reach = std::max(reach, shape.reach);
+    for (const TrialShape& shape : shapes_of(c)) reach = std::max(reach, shape.reach);
     add_section_pixels(c.chain, t.section, reach, luma_.size(), pixels_);
     t.end = pixels_.size();
     fit(c, t);
@@ -202,7 +203,7 @@ class Selection {
   }
 
   void fit(const Candidate& c, Trial& t) {
-    const bool step = c.chain.kind == CreaseKind::step;
+    const bool step = !is_line(c);
     bins_.assign(c.shapes->bins(), {});
     const auto pixels = pixels_of(t);
     if (pixels.empty()) return;
@@ -211,7 +212,7 @@ class Selection {
       bins_[static_cast<std::size_t>(c.shapes->bin_at(double{p.across}))].add(luma_at(p) - origin,
                                                                               double{p.across});
     double best = -1e9;
-    for (const TrialShape& shape : step ? c.shapes->steps : c.shapes->bars) {
+    for (const TrialShape& shape : shapes_of(c)) {
       RampSums all;
       for (int k = c.shapes->half - shape.bins; k <= c.shapes->half + shape.bins; ++k)
         all.add(bins_[static_cast<std::size_t>(k)]);
@@ -375,7 +376,7 @@ class Selection {
   }
 
   static void set_evidence(const Candidate& c, std::size_t from, std::size_t to, Chain& part) {
-    if (c.chain.kind != CreaseKind::step) return;
+    if (is_line(c)) return;
     double nats = 0;
     for (std::size_t i = from; i < to; ++i) nats += c.trials[i % c.trials.size()].gain;
     for (CreasePoint& p : part.points)
@@ -403,7 +404,7 @@ class Selection {
 std::vector<Chain> select_curves(std::vector<Chain> lines, std::vector<std::vector<Chain>> edges,
                                  const ScaleSpace& space, const cv::Mat1f& luma,
                                  const SelectionOptions& options) {
-  constexpr int kRounds = 2;  // more change nothing on the scenes of the benchmark
+  constexpr int kRounds = 2;  // set by hand; 4 change what is drawn of droplets by .001
   Selection selection(space, luma, options);
   selection.add(std::move(lines));
   for (std::vector<Chain>& level : edges) selection.add(std::move(level));

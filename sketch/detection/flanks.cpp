@@ -20,7 +20,7 @@ using graph::Patch;
 using graph::Point;
 
 constexpr double kBeside = 3;      // px between the edges of what runs side by side
-constexpr double kAlongPatch = 4;  // px along a patch within which one beside it is looked for
+constexpr double kAlongPatch = 4;  // px along a patch within which a neighbour is searched
 constexpr double kParallel = 0.5;  // rad
 constexpr double kNarrower = 0.7;  // of a curve's width: what makes it a flank is at most so wide
 constexpr double kOfLine = 0.85;   // of a curve's contrast: the least of a line that it may flank

@@ -288,7 +288,7 @@ void check_case(const Inputs& in, const Case& one) {
 
 }  // namespace
 
-TEST_CASE("bad and odd inputs: what is told, the exit status, and nothing is lost", "[slow]") {
+TEST_CASE("bad and odd inputs: the message, the exit status, and nothing is lost", "[slow]") {
   const Inputs in;
   std::size_t count = 0;
   for (const auto& table : {unreadable(in), misused(in), odd(in)})

@@ -87,7 +87,7 @@ TEST_CASE("drift.csv tells the motion that was taken out, a line a frame") {
   CHECK(summary_of(out)["options"]["reading"]["stabilize"] == "translation");
 }
 
-TEST_CASE("memory that does not suffice is told with the clip, and leaves nothing", "[slow]") {
+TEST_CASE("memory that does not suffice is reported with the clip, and leaves nothing", "[slow]") {
   if (kAddressSanitizer) {
     WARN("skipped: the address sanitizer reserves terabytes and cannot run under a limit on memory");
     return;
