@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <utility>
 
 namespace emberfold::sketch {
 
@@ -45,38 +46,39 @@ NearPoints near_points(const Chain& chain, const CurveSection& section) {
   return near;
 }
 
-// Moves `best` along the curve to the point nearest to a pixel; returns the squared distance. From the point
-// that was nearest to the neighbouring pixel that is a step or two.
-float approach(const NearPoints& near, float x, float y, std::size_t& best) {
-  const auto squares = [&](std::size_t i) {
+// The point nearest to a pixel, and its squared distance.
+std::pair<std::size_t, float> nearest(const NearPoints& near, float x, float y) {
+  std::array<float, NearPoints::kMost> squares;  // NOLINT(cppcoreguidelines-pro-type-member-init): written below
+  for (std::size_t i = 0; i < near.count; ++i) {
     const float dx = x - near.x[i], dy = y - near.y[i];
-    return dx * dx + dy * dy;
-  };
-  float least = squares(best);
-  for (std::size_t i = best; i + 1 < near.count;) {
-    const float next = squares(++i);
-    if (next >= least) break;
-    least = next, best = i;
+    squares[i] = dx * dx + dy * dy;
   }
-  for (std::size_t i = best; i > 0;) {
-    const float next = squares(--i);
-    if (next >= least) break;
-    least = next, best = i;
-  }
-  return least;
+  const auto least = std::min_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(near.count));
+  return {static_cast<std::size_t>(least - squares.begin()), *least};
 }
 
 }  // namespace
 
-std::vector<CurveSection> cut_into_sections(const Chain& chain, double length) {
-  const std::vector<double> s = arc_lengths(chain);
-  const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(s.back() / length)));
+std::vector<CurveSection> cut_into_sections(Chain& chain, double length) {
+  std::vector<CreasePoint>& points = chain.points;
+  if (chain.closed)
+    std::rotate(points.begin(), std::ranges::max_element(points, {}, &CreasePoint::contrast), points.end());
+  std::vector<double> s = arc_lengths(chain);
+  const double total = s.back() + (chain.closed ? distance(points.back().position, points.front().position) : 0);
+  const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(total / length)));
+  const double of_part = total / static_cast<double>(parts);
+  if (chain.closed) {  // the strongest point is to be the middle of the first section
+    const auto first = std::ranges::lower_bound(s, total - 0.5 * of_part) - s.begin();
+    for (double& at : s) at += 0.5 * of_part;
+    std::transform(s.begin() + first, s.end(), s.begin() + first, [&](double at) { return at - total; });
+    std::rotate(s.begin(), s.begin() + first, s.end());
+    std::rotate(points.begin(), points.begin() + first, points.end());
+  }
   std::vector<CurveSection> sections;
   std::uint32_t i = 0;
   for (std::size_t k = 1; k <= parts; ++k) {
     const std::uint32_t first = i;
-    const double until = s.back() * static_cast<double>(k) / static_cast<double>(parts);
-    while (i < s.size() && (s[i] <= until || k == parts)) ++i;
+    while (i < s.size() && (s[i] <= of_part * static_cast<double>(k) || k == parts)) ++i;
     if (i > first) sections.push_back({first, i});
   }
   return sections;
@@ -90,10 +92,9 @@ void add_section_pixels(const Chain& chain, const CurveSection& section, double 
             right = std::min(frame.width - 1, static_cast<int>(std::floor(near.right + r))),
             top = std::max(0, static_cast<int>(std::ceil(near.top - r))),
             bottom = std::min(frame.height - 1, static_cast<int>(std::floor(near.bottom + r)));
-  std::size_t best = near.first;
   for (int y = top; y <= bottom; ++y)
     for (int x = left; x <= right; ++x) {
-      const float least = approach(near, static_cast<float>(x), static_cast<float>(y), best);
+      const auto [best, least] = nearest(near, static_cast<float>(x), static_cast<float>(y));
       if (best < near.first || best >= near.last || least > r * r) continue;
       const float across = (static_cast<float>(x) - near.x[best]) * near.nx[best] +
                            (static_cast<float>(y) - near.y[best]) * near.ny[best];

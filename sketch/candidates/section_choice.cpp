@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <numeric>
+#include <cstdlib>
 
 namespace emberfold::sketch {
 
@@ -24,6 +26,9 @@ std::vector<char> choose_sections(std::span<const double> gain, double end_cost,
     chosen[i] = state;
     state = before[i][static_cast<std::size_t>(state)];
   }
+  static const double K = getenv("CL") ? atof(getenv("CL")) : 2;
+  const bool whole = closed && std::ranges::find(chosen, 0) == chosen.end();
+  if (whole && std::accumulate(gain.begin(), gain.end(), -K * end_cost) <= 0) chosen.assign(gain.size(), 0);
   return chosen;
 }
 

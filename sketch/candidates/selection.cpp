@@ -57,14 +57,6 @@ double total_contrast(const Chain& chain) {
   return sum;
 }
 
-// Lets a closed curve begin at its point of most contrast.
-Chain from_its_strongest(Chain chain) {
-  if (!chain.closed) return chain;
-  const auto strongest = std::ranges::max_element(chain.points, {}, &CreasePoint::contrast);
-  std::rotate(chain.points.begin(), strongest, chain.points.end());
-  return chain;
-}
-
 class Selection {
  public:
   Selection(const ScaleSpace& space, const cv::Mat1f& luma, const SelectionOptions& options)
@@ -78,7 +70,7 @@ class Selection {
     std::ranges::sort(chains, std::greater<>(), total_contrast);
     for (Chain& chain : chains) {
       const std::size_t level = median_level(chain.points, space_);
-      Candidate candidate{from_its_strongest(std::move(chain)), &shapes_[level], {}};
+      Candidate candidate{std::move(chain), &shapes_[level], {}};
       const double length = std::clamp(1.5 * space_[level].sigma, 4.0, 8.0);
       for (const CurveSection& section : cut_into_sections(candidate.chain, length))
         candidate.trials.push_back({.section = section, .levels = {}});
@@ -355,6 +347,9 @@ class Selection {
       if (start == n && n > 0) {
         chains.push_back(c.chain);
         set_evidence(c, 0, n, chains.back());
+        // Patches are placed from the first point on.
+        std::vector<CreasePoint>& points = chains.back().points;
+        std::rotate(points.begin(), std::ranges::max_element(points, {}, &CreasePoint::contrast), points.end());
         return;
       }
     }

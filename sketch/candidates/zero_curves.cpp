@@ -152,6 +152,16 @@ Chain make_chain(const std::vector<const Crossing*>& curve, bool closed, double 
   return chain;
 }
 
+// Lets the brighter side be to the right of a curve, along which it is entered at either end.
+void turn_bright_side_right(std::vector<const Crossing*>& curve) {
+  double right = 0;
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    const Point step = curve[i]->position - curve[i - 1]->position;
+    right += dot({-step.y, step.x}, curve[i]->normal + curve[i - 1]->normal);
+  }
+  if (right < 0) std::ranges::reverse(curve);
+}
+
 }  // namespace
 
 std::vector<Chain> trace_edges(const ScaleLevel& level, int index, double least_gradient) {
@@ -167,9 +177,10 @@ std::vector<Chain> trace_edges(const ScaleLevel& level, int index, double least_
     std::swap(row, before);
   }
   std::vector<Chain> chains;
-  tracer.visit_curves([&](const std::vector<const Crossing*>& curve, bool closed) {
-    if (curve.size() >= kFewest)
-      chains.push_back(make_chain(curve, closed, step_contrast(level.sigma), index));
+  tracer.visit_curves([&](std::vector<const Crossing*>& curve, bool closed) {
+    if (curve.size() < kFewest) return;
+    turn_bright_side_right(curve);
+    chains.push_back(make_chain(curve, closed, step_contrast(level.sigma), index));
   });
   return chains;
 }
