@@ -22,7 +22,7 @@ namespace emberfold::apps {
 
 /// The request of `emberfold sketch`.
 struct SketchRequest {
-  sketch::ExtractOptions extract;
+  sketch::ExtractOptions extract = {.outlines = true};
   sketch::NonsketchableFillOptions
       ground;  ///< its seed is the clip's; every frame draws with a stream of its own
   pipeline::PatchDrawing patches = pipeline::PatchDrawing::fitted;

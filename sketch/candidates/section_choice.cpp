@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <numeric>
-#include <cstdlib>
 
 namespace emberfold::sketch {
 
@@ -26,9 +25,9 @@ std::vector<char> choose_sections(std::span<const double> gain, double end_cost,
     chosen[i] = state;
     state = before[i][static_cast<std::size_t>(state)];
   }
-  static const double K = getenv("CL") ? atof(getenv("CL")) : 2;
+  // A ring has no ends, but a place to be described as they have.
   const bool whole = closed && std::ranges::find(chosen, 0) == chosen.end();
-  if (whole && std::accumulate(gain.begin(), gain.end(), -K * end_cost) <= 0) chosen.assign(gain.size(), 0);
+  if (whole && std::accumulate(gain.begin(), gain.end(), -2 * end_cost) <= 0) chosen.assign(gain.size(), 0);
   return chosen;
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sketch/candidates/curve_pixels.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/sketch_scene.hpp"
@@ -31,7 +34,7 @@ sketch::Chain arc(Point centre, double radius, double from, double to, bool clos
 }
 
 // Pixels of all sections, with how often each was visited.
-std::map<int, std::pair<double, int>> pixels_of(const sketch::Chain& chain, double length, double reach) {
+std::map<int, std::pair<double, int>> pixels_of(sketch::Chain chain, double length, double reach) {
   std::map<int, std::pair<double, int>> found;
   for (const auto& section : sketch::cut_into_sections(chain, length)) {
     std::vector<sketch::CurvePixel> pixels;
@@ -47,7 +50,7 @@ std::map<int, std::pair<double, int>> pixels_of(const sketch::Chain& chain, doub
 }  // namespace
 
 TEST_CASE("Sections share the points of a curve among them, in order") {
-  const auto chain = arc({30, 25}, 15, 0, 5, false);
+  auto chain = arc({30, 25}, 15, 0, 5, false);
   const auto sections = sketch::cut_into_sections(chain, 4);
   CHECK_THAT(static_cast<double>(sections.size()), WithinAbs(15 * 5 / 4.0, 1));
   std::uint32_t next = 0;
@@ -57,6 +60,30 @@ TEST_CASE("Sections share the points of a curve among them, in order") {
     next = s.last;
   }
   CHECK(next == chain.points.size());
+}
+
+TEST_CASE("Sections of a closed curve depend neither on its first point nor on its direction") {
+  auto chain = arc({30, 25}, 13, 0, 2 * std::numbers::pi, true);
+  for (std::size_t i = 0; i < chain.points.size(); ++i) {
+    const double length = norm(chain.points[i].position - Point{40, 18});
+    chain.points[i].contrast = 20 - 0.1 * length * length;
+  }
+  const auto middles = [](sketch::Chain of) {
+    std::vector<std::pair<long, long>> found;
+    for (const auto& s : sketch::cut_into_sections(of, 5)) {
+      Point sum{0, 0};
+      for (auto i = s.first; i < s.last; ++i) sum = sum + of.points[i].position;
+      sum = sum * (1.0 / (s.last - s.first));
+      found.emplace_back(std::lround(1e6 * sum.x), std::lround(1e6 * sum.y));
+    }
+    std::ranges::sort(found);
+    return found;
+  };
+  const auto expected = middles(chain);
+  std::rotate(chain.points.begin(), chain.points.begin() + 31, chain.points.end());
+  CHECK(middles(chain) == expected);
+  std::ranges::reverse(chain.points);
+  CHECK(middles(chain) == expected);
 }
 
 TEST_CASE("Every pixel about a circle belongs to one section, at its distance from the circle") {

@@ -41,6 +41,9 @@ TEST_CASE("The outline of a disc is one closed curve on its circle, with the bri
       const Point right{-std::sin(p.theta), std::cos(p.theta)};
       CHECK(graph::dot(right, centre - p.position) > 0.95 * radius);
     }
+    const Point first = edges[0].points[0].position, next = edges[0].points[1].position,
+                right{-(next - first).y, (next - first).x};
+    CHECK(graph::dot(right, centre - first) > 0);  // of the way along the curve, too
   }
 }
 
