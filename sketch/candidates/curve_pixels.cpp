@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <utility>
+#include <numeric>
 
 namespace emberfold::sketch {
 
@@ -46,16 +46,47 @@ NearPoints near_points(const Chain& chain, const CurveSection& section) {
   return near;
 }
 
-// The point nearest to a pixel, and its squared distance.
-std::pair<std::size_t, float> nearest(const NearPoints& near, float x, float y) {
-  std::array<float, NearPoints::kMost> squares;  // NOLINT(cppcoreguidelines-pro-type-member-init): written below
-  for (std::size_t i = 0; i < near.count; ++i) {
-    const float dx = x - near.x[i], dy = y - near.y[i];
-    squares[i] = dx * dx + dy * dy;
+// Which of the points is nearest along a row of pixels: the lower envelope of their parabolas (Felzenszwalb &
+// Huttenlocher 2012, algorithm 1).
+class NearestInRow {
+ public:
+  explicit NearestInRow(const NearPoints& near) : near_(near) {
+    std::iota(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(near.count), std::size_t{0});
+    std::sort(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(near.count),
+              [&](std::size_t i, std::size_t j) { return near.x[i] < near.x[j]; });
   }
-  const auto least = std::min_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(near.count));
-  return {static_cast<std::size_t>(least - squares.begin()), *least};
-}
+
+  // visit(point, from, to) for the stretches from ≤ x < to of row y, left to right.
+  template <class Visit>
+  void visit(float y, const Visit& visit) {
+    std::size_t count = 0;
+    const auto meet = [&](std::size_t i, std::size_t j) {  // where j, further right, becomes the nearer one
+      const float xi = near_.x[i], xj = near_.x[j], dy = y - near_.y[i], ey = y - near_.y[j];
+      return xj > xi ? 0.5F * (xi + xj + (ey - dy) * (ey + dy) / (xj - xi))
+                     : (ey * ey < dy * dy ? -kFar : kFar);
+    };
+    for (std::size_t k = 0; k < near_.count; ++k) {
+      const std::size_t j = order_[k];
+      float from = -kFar;
+      while (count > 0) {
+        from = meet(nearest_[count - 1], j);
+        if (from > from_[count - 1]) break;
+        from = -kFar;
+        --count;
+      }
+      if (from >= kFar) continue;
+      nearest_[count] = j;
+      from_[count++] = from;
+    }
+    for (std::size_t k = 0; k < count; ++k) visit(nearest_[k], from_[k], k + 1 < count ? from_[k + 1] : kFar);
+  }
+
+ private:
+  static constexpr float kFar = 1e9F;
+  const NearPoints& near_;
+  std::array<std::size_t, NearPoints::kMost> order_{}, nearest_{};
+  std::array<float, NearPoints::kMost> from_{};
+};
 
 }  // namespace
 
@@ -64,7 +95,8 @@ std::vector<CurveSection> cut_into_sections(Chain& chain, double length) {
   if (chain.closed)
     std::rotate(points.begin(), std::ranges::max_element(points, {}, &CreasePoint::contrast), points.end());
   std::vector<double> s = arc_lengths(chain);
-  const double total = s.back() + (chain.closed ? distance(points.back().position, points.front().position) : 0);
+  const double total =
+      s.back() + (chain.closed ? distance(points.back().position, points.front().position) : 0);
   const auto parts = static_cast<std::size_t>(std::max(1.0, std::round(total / length)));
   const double of_part = total / static_cast<double>(parts);
   if (chain.closed) {  // the strongest point is to be the middle of the first section
@@ -92,16 +124,23 @@ void add_section_pixels(const Chain& chain, const CurveSection& section, double 
             right = std::min(frame.width - 1, static_cast<int>(std::floor(near.right + r))),
             top = std::max(0, static_cast<int>(std::ceil(near.top - r))),
             bottom = std::min(frame.height - 1, static_cast<int>(std::floor(near.bottom + r)));
+  NearestInRow nearest(near);
   for (int y = top; y <= bottom; ++y)
-    for (int x = left; x <= right; ++x) {
-      const auto [best, least] = nearest(near, static_cast<float>(x), static_cast<float>(y));
-      if (best < near.first || best >= near.last || least > r * r) continue;
-      const float across = (static_cast<float>(x) - near.x[best]) * near.nx[best] +
-                           (static_cast<float>(y) - near.y[best]) * near.ny[best];
-      const bool aside = least - across * across > 1;  // beyond an end, or outside a bend
-      if (aside && ((near.start && best == near.first) || (near.end && best + 1 == near.last))) continue;
-      pixels.push_back({y * frame.width + x, aside ? std::copysign(std::sqrt(least), across) : across});
-    }
+    nearest.visit(static_cast<float>(y), [&](std::size_t best, float from, float to) {
+      if (best < near.first || best >= near.last) return;
+      const float dy = static_cast<float>(y) - near.y[best], half = r * r - dy * dy;
+      if (half < 0) return;
+      const float low = std::max(from, near.x[best] - std::sqrt(half)),
+                  high = std::min(to, near.x[best] + std::sqrt(half));
+      for (int x = std::max(left, static_cast<int>(std::ceil(low)));
+           x <= right && static_cast<float>(x) <= high && static_cast<float>(x) < to; ++x) {
+        const float dx = static_cast<float>(x) - near.x[best];
+        const float across = dx * near.nx[best] + dy * near.ny[best], least = dx * dx + dy * dy;
+        const bool aside = least - across * across > 1;  // beyond an end, or outside a bend
+        if (aside && ((near.start && best == near.first) || (near.end && best + 1 == near.last))) continue;
+        pixels.push_back({y * frame.width + x, aside ? std::copysign(std::sqrt(least), across) : across});
+      }
+    });
 }
 
 }  // namespace emberfold::sketch

@@ -349,7 +349,8 @@ class Selection {
         set_evidence(c, 0, n, chains.back());
         // Patches are placed from the first point on.
         std::vector<CreasePoint>& points = chains.back().points;
-        std::rotate(points.begin(), std::ranges::max_element(points, {}, &CreasePoint::contrast), points.end());
+        std::rotate(points.begin(), std::ranges::max_element(points, {}, &CreasePoint::contrast),
+                    points.end());
         return;
       }
     }
