@@ -21,6 +21,7 @@
 #include "mcmc/sampler/infer.hpp"
 #include "pipeline/calibration.hpp"
 #include "pipeline/clip_model.hpp"
+#include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/readings.hpp"
 #include "pipeline/review/review_calibration.hpp"
 #include "pipeline/sketch_clip.hpp"
@@ -44,7 +45,8 @@ struct AnalyzeOptions {
   /// Events are looked for in a copy of the clip in noise, too: what comes again there is more probable.
   /// About twice the time.
   bool in_noise = false;
-  bool keep_sketch = false;  ///< keep sketches as extracted, and the backgrounds of the frames
+  double least_probability = kLikely;  ///< 0…1, of the events that are reported
+  bool keep_sketch = false;            ///< keep sketches as extracted, and the backgrounds of the frames
   /// What a person said of the clip's events: taken as facts, the others are inferred anew (apply_review).
   std::optional<std::vector<graph::ReviewedEvent>> review = {};
   std::uint64_t seed = 1;
@@ -78,7 +80,7 @@ struct Analysis {
   /// matched.
   graph::MotionGraph motion;
   std::vector<graph::CurveJoint> joints;  ///< where curves go on or touch
-  std::vector<graph::Event> events;       ///< of probability 0.5 or more
+  std::vector<graph::Event> events;       ///< of AnalyzeOptions::least_probability or more
   std::vector<graph::Contact> contacts;   ///< how the parts meet, of each of `events`
   std::vector<graph::Event> all_events;   ///< of any probability
   ClipModel model;

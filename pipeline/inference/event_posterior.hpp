@@ -11,7 +11,7 @@
 
 namespace emberfold::pipeline {
 
-inline constexpr double kLikely = 0.5;  ///< least probability of events that are reported
+inline constexpr double kLikely = 0.5;  ///< least probability of events that are reported by default
 
 /// Holds how likely weighed events are.
 struct EventProbabilities {
@@ -31,8 +31,10 @@ EventProbabilities event_probabilities(std::span<const WeighedEvent> weighed);
 std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipReadings& readings,
                                           const core::Context& context = {});
 
-/// Lets the strokes of a matched clip follow its weighed events: they keep their identity through all that is
-/// not likely (graph::keep_identity), and skipped patches are linked (graph::link_skipped_patches).
-void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events);
+/// Lets the strokes of a matched clip follow its weighed events: they keep their identity through all events
+/// of less than this probability (graph::keep_identity), and skipped patches are linked
+/// (graph::link_skipped_patches).
+void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,
+                    double least_probability = kLikely);
 
 }  // namespace emberfold::pipeline
