@@ -17,6 +17,9 @@ namespace emberfold::pipeline {
 /// disappears from frame to frame would count as events.
 inline constexpr sketch::ExtractOptions kSteadySketch = {.sensitivity = 0.35};
 
+/// Options of a sketch that is looked at, not followed in time, unless others are asked for.
+inline constexpr sketch::ExtractOptions kPictureSketch = {.outlines = true};
+
 /// Holds every frame's graph and the background between its strokes.
 struct SketchedClip {
   graph::SketchSequence sketch;

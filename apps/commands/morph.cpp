@@ -21,6 +21,7 @@
 #include "core/io/files.hpp"
 #include "core/text/format_number.hpp"
 #include "graph/io/motion_io.hpp"
+#include "pipeline/sketch_clip.hpp"
 #include "sketch/rendering/morph_frames.hpp"
 
 namespace emberfold::apps {
@@ -35,7 +36,7 @@ struct Morphing {
   ReadingWords words;
   io::ReadOptions read;
   graph::MorphOptions morph;
-  sketch::ExtractOptions extract;
+  sketch::ExtractOptions extract = pipeline::kPictureSketch;
   sketch::FillOptions fill;
 };
 

@@ -14,6 +14,7 @@
 #include "core/io/staged_output.hpp"
 #include "graph/motion_graph.hpp"
 #include "pipeline/reconstruct.hpp"
+#include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/texture/texture_fill.hpp"
 
@@ -22,7 +23,7 @@ namespace emberfold::apps {
 
 /// The request of `emberfold sketch`.
 struct SketchRequest {
-  sketch::ExtractOptions extract = {.outlines = true};
+  sketch::ExtractOptions extract = pipeline::kPictureSketch;
   sketch::NonsketchableFillOptions
       ground;  ///< its seed is the clip's; every frame draws with a stream of its own
   pipeline::PatchDrawing patches = pipeline::PatchDrawing::fitted;
