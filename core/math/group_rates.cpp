@@ -26,7 +26,7 @@ CountedClip total(std::span<const CountedClip> clips) {
   return sum;
 }
 
-/// Pearson's statistic of counts about the group's own rate.
+/// Returns Pearson's statistic of counts about the group's own rate.
 double pearson(std::span<const CountedClip> clips) {
   const auto all = total(clips);
   double sum = 0;
@@ -41,7 +41,7 @@ double dispersion_of(double statistic, double freedom) {
   return freedom > 0 ? std::max(1., statistic / freedom) : 1;
 }
 
-/// The square of the ratio of Student's quantile to the normal one; 1 where nothing was estimated.
+/// Returns the square of the ratio of Student's quantile to the normal one; 1 where nothing was estimated.
 double widening(double dispersion, double freedom, double level) {
   if (dispersion <= 1 || freedom <= 0) return 1;
   const double upper = (1 + level) / 2;
@@ -62,12 +62,12 @@ double ways_to_choose(std::size_t all, std::size_t some) {
   return std::round(ways);
 }
 
-/// How far the ratio of the rates lies from 1; half an event more in each, for groups without any.
+/// Returns how far the ratio of the rates is from 1; half an event more in each, for groups without any.
 double distance(const CountedClip& a, const CountedClip& b) {
   return std::abs(std::log((a.count + 0.5) / a.exposure) - std::log((b.count + 0.5) / b.exposure));
 }
 
-/// Share of the ways to deal the clips out in which the groups lie as far apart as they do.
+/// Returns the share of assignments of clips to groups in which the groups differ as much as they do.
 double permutation_p(std::span<const CountedClip> first, std::span<const CountedClip> second, double ways,
                      std::uint64_t seed) {
   constexpr double kAlike = 1e-9;
@@ -91,7 +91,7 @@ double permutation_p(std::span<const CountedClip> first, std::span<const Counted
     return hits / ways;
   }
   Rng rng(seed, {0x67726f75});
-  double hits = 1;  // the way they were dealt out is one of them
+  double hits = 1;  // the actual assignment is one of them
   for (int draw = 0; draw < static_cast<int>(kMostWays); ++draw) {
     for (std::size_t i = 0; i < first.size(); ++i)
       std::swap(clips[i], clips[i + rng.below(static_cast<std::uint32_t>(clips.size() - i))]);
