@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view kHead = ".emberfold-", kMark = ".part";
 
-/// The machine's name, of letters and digits alone.
+/// Returns the machine's name, letters and digits only.
 const std::string& host() {
   static const std::string name = [] {
     std::array<char, 256> text{};
@@ -32,7 +32,7 @@ const std::string& host() {
   return name;
 }
 
-/// True for ".emberfold-HOST-PID-N.part…" of this machine whose process has ended.
+/// Returns whether a name is ".emberfold-HOST-PID-N.part…" of this machine and its process has ended.
 bool is_left_over(const std::string& name) {
   const std::string head = std::string(kHead) + host() + "-";
   if (!name.starts_with(head) || name.find(kMark, head.size()) == std::string::npos) return false;
