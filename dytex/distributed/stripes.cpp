@@ -47,7 +47,7 @@ class TreeSum {
         rows_(rows),
         columns_(columns) {}
 
-  /// The sum of the stripes from `begin` on, a subtree of `size` leaves; on the owner of the first.
+  /// Returns the sum of the stripes from `begin` on, a subtree of `size` leaves; on the owner of the first.
   Eigen::MatrixXd sum(std::size_t begin, std::size_t size) {
     const std::size_t end = std::min(begin + size, stripes_.count()), own = stripes_.first_of(ranks_.rank()),
                       own_end = stripes_.first_of(ranks_.rank() + 1);
@@ -66,7 +66,7 @@ class TreeSum {
     }
     return left;
   }
-  /// What a term threw; the sum went on without it, as others wait for it.
+  /// Returns what a term threw; the sum continued without it, as other ranks wait for it.
   [[nodiscard]] std::exception_ptr failure() const { return failure_; }
 
  private:

@@ -21,17 +21,17 @@ constexpr double kJoinDistance = 0.1;  // between poles; those farther apart are
 constexpr double kZeroModulus = 1e-9;  // a pole below this is 0
 constexpr double kSwapError = 100 * std::numeric_limits<double>::epsilon();  // of a swapped block, relative
 
-/// A Schur form on its way to being block-diagonal.
+/// A Schur form that is being made block-diagonal.
 struct Schur {
   MatrixXd T, basis, inverse;
   [[nodiscard]] Index size() const { return T.rows(); }
-  /// Rows of the diagonal block that begins at `first`: 1 or 2.
+  /// Returns the rows of the diagonal block that begins at `first`: 1 or 2.
   [[nodiscard]] Index width(Index first) const {
     return first + 1 < size() && T(first + 1, first) != 0 ? 2 : 1;
   }
 };
 
-/// Both eigenvalues of a 2 × 2 block.
+/// Returns both eigenvalues of a 2 × 2 block.
 std::pair<Complex, Complex> eigenvalues(const Eigen::Matrix2d& block) {
   const double half = (block(0, 0) - block(1, 1)) / 2;
   const Complex root = std::sqrt(Complex(half * half + block(0, 1) * block(1, 0)));
@@ -39,13 +39,13 @@ std::pair<Complex, Complex> eigenvalues(const Eigen::Matrix2d& block) {
   return {mean + root, mean - root};
 }
 
-/// A pole of the block that begins at `first`, of a pair the upper one.
+/// Returns a pole of the block that begins at `first`, of a pair the upper one.
 Complex pole(const Schur& schur, Index first) {
   if (schur.width(first) == 1) return schur.T(first, first);
   return eigenvalues(schur.T.block<2, 2>(first, first)).first;
 }
 
-/// X of P X − X Q = R; huge or not finite where P and Q all but share an eigenvalue.
+/// Solves P X − X Q = R for X; huge or not finite where P and Q nearly share an eigenvalue.
 MatrixXd solve_sylvester(const MatrixXd& P, const MatrixXd& Q, const MatrixXd& R) {
   const Index p = P.rows(), q = Q.rows();
   MatrixXd system = MatrixXd::Zero(p * q, p * q);
@@ -56,8 +56,8 @@ MatrixXd solve_sylvester(const MatrixXd& P, const MatrixXd& Q, const MatrixXd& R
   return LuFactors(system).solve_vector(R.reshaped()).reshaped(p, q);
 }
 
-/// Swaps the diagonal blocks at `first` (p rows) and behind it (q rows) by an orthogonal transformation (Bai,
-/// Demmel 1993). False, and nothing changed, where they are too close for that.
+/// Swaps the diagonal blocks at `first` (p rows) and after it (q rows) by an orthogonal transformation (Bai,
+/// Demmel 1993). Returns false, and changes nothing, where they are too close for that.
 bool swap_blocks(Schur& schur, Index first, Index p, Index q) {
   MatrixXd& T = schur.T;
   const MatrixXd X = solve_sylvester(T.block(first, first, p, p), T.block(first + p, first + p, q, q),
@@ -76,8 +76,8 @@ bool swap_blocks(Schur& schur, Index first, Index p, Index q) {
   return true;
 }
 
-/// X that splits rows first … first + size off from those behind them: P X − X R = −T_PR, column block by
-/// column block.
+/// Returns X that splits rows first … first + size off from those after them: P X − X R = −T_PR, column block
+/// by column block.
 MatrixXd splitting(const Schur& schur, Index first, Index size) {
   const Index begin = first + size, rest = schur.size() - begin;
   const MatrixXd P = schur.T.block(first, first, size, size);
@@ -91,7 +91,7 @@ MatrixXd splitting(const Schur& schur, Index first, Index size) {
   return X;
 }
 
-/// Lets the pole nearest to those of the block, if one is near, join it: the block's new size.
+/// Joins the nearest pole to the block, if one is near, and returns the block's new size.
 Index join_nearest(Schur& schur, Index first, Index size) {
   Index nearest = -1;
   double least = kJoinDistance;

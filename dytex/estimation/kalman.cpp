@@ -52,7 +52,7 @@ void check(const Observations& seen, Eigen::Index n) {
                   std::to_string(static_cast<int>(seen.information.size()) - 1));
 }
 
-/// The filtered factor and the volume of a step whose predicted factor is known.
+/// Computes the filtered factor and the volume of a step whose predicted factor is known.
 void take_frame(const Eigen::MatrixXd* information, FilterStep& step) {
   const Eigen::MatrixXd& F = step.predicted;
   if (information == nullptr || F.cols() == 0) {
@@ -67,7 +67,7 @@ void take_frame(const Eigen::MatrixXd* information, FilterStep& step) {
   step.log_volume = factors.log_determinant();
 }
 
-/// F with F Fᵀ = A P Aᵀ + B Bᵀ.
+/// Returns F with F Fᵀ = A P Aᵀ + B Bᵀ.
 Eigen::MatrixXd advance(const StateSpace& space, const Eigen::MatrixXd& factor) {
   Eigen::MatrixXd rows(factor.cols() + space.B.cols(), space.A.rows());
   rows << (space.A * factor).transpose(), space.B.transpose();
@@ -114,7 +114,7 @@ class Steps {
   bool steady_ = false;
 };
 
-/// J with J (F Fᵀ) = P Aᵀ.
+/// Returns J with J (F Fᵀ) = P Aᵀ.
 Eigen::MatrixXd smoother_gain(const StateSpace& space, const Eigen::MatrixXd& filtered,
                               const Eigen::MatrixXd& predicted) {
   if (predicted.cols() == 0) return Eigen::MatrixXd::Zero(predicted.rows(), predicted.rows());
@@ -178,7 +178,7 @@ Smoothed smooth(const StateSpace& space, const Filtered& filtered) {
   const Eigen::MatrixXd& last = factors(frames - 1).filtered;
   result.steps.push_back({symmetric(last * last.transpose()), {}});
   result.step.back() = 0;
-  Eigen::MatrixXd J, rest;  // rest: what is left of the filtered covariance with x(t+1) known
+  Eigen::MatrixXd J, rest;  // rest: the filtered covariance that remains with x(t+1) known
   std::pair<int, int> of{-1, -1};
   bool steady = false;
   for (Eigen::Index t = frames - 2; t >= 0; --t) {

@@ -24,7 +24,7 @@ void check_sizes(const LinearDynamicTexture& texture, const core::ClipInfo& clip
   throw core::InputError("the clip is " + text(clip) + ", the texture " + text(info));
 }
 
-/// The rows of C diag(weights), with their inverse noise.
+/// Returns the rows of C diag(weights), with their inverse noise.
 detail::RowsOf rows_of(const LinearDynamicTexture& texture, double least_noise) {
   return [&texture, least_noise](Eigen::Index row, Eigen::Index rows) {
     detail::WeightedRows block;
@@ -88,7 +88,7 @@ BatchSums sums_of(const Batch& batch, std::size_t first, const LinearDynamicText
   return slabs[0];
 }
 
-/// From the n numbers that frames show to all N.
+/// Extends the n numbers that frames show to all N.
 void widen(Observations& seen, Eigen::Index order) {
   const Eigen::Index n = seen.vectors.rows();
   if (n == order) return;

@@ -25,7 +25,7 @@ struct Miss {
   double all = 0, left_out = 0;
 };
 
-/// Error of the forecast of frame `target` from the `length` frames before it.
+/// Returns the error of the forecast of frame `target` from the `length` frames before it.
 Miss forecast_miss(const Eigen::MatrixXd& gram, Eigen::Index target, Eigen::Index length,
                    Eigen::Index components) {
   const Eigen::Index first = target - length;
@@ -70,7 +70,7 @@ std::vector<int> choose_lengths(int shortest, int longest, int count) {
   return lengths;
 }
 
-/// The smoothed error at point i: the mean with its neighbours.
+/// Returns the smoothed error at point i: the mean with its neighbours.
 double smooth_error(const std::vector<CurvePoint>& points, std::size_t i) {
   const std::size_t first = i > 0 ? i - 1 : 0, last = std::min(i + 1, points.size() - 1);
   double sum = 0;
@@ -89,7 +89,7 @@ void find_plateau(LearningCurve& curve, double tolerance) {
   if (from < tail) curve.critical = points[from].length;
 }
 
-/// The products of all pairs of frames, levels², and how many values a frame has.
+/// The products of all pairs of frames, levels², and the number of values in a frame.
 struct ClipGram {
   Eigen::MatrixXd products;  // τ × τ
   std::size_t values = 0;

@@ -19,7 +19,8 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;  // pixels whose spectra are summed at once
 
-// Sampled in the middles of its steps, so that it vanishes nowhere; Σ w² = 3/8 length from length 3 on.
+// The Hann window, sampled in the middles of its steps, so that it vanishes nowhere; Σ w² = 3/8 length from
+// length 3 on.
 double hann(int i, int length) {
   const double s = std::sin(std::numbers::pi * (i + 0.5) / length);
   return s * s;
@@ -122,7 +123,7 @@ Eigen::VectorXd radial_spectrum(const cv::Mat& luma, int rings) {
       window.at<double>(y, x) = w;
       total += w, energy += w * w, weighted += w * static_cast<double>(luma.at<float>(y, x));
     }
-  // Less the mean as the window sees it, or its bright border would leak into the lowest rings.
+  // Subtracts the mean as the window sees it, or its bright border would leak into the lowest rings.
   const double mean = weighted / total;
   cv::Mat values, spectrum;
   luma.convertTo(values, CV_64F);
