@@ -48,7 +48,7 @@ Eigen::Index row_count(const LinearDynamicTexture& texture, std::size_t block) {
   return std::min(static_cast<Eigen::Index>(kValues), texture.pixels() - first_row(block));
 }
 
-/// Draws x(0) ~ N(0, P).
+/// x(0) ~ N(0, P).
 Eigen::VectorXd stationary_state(const LinearDynamicTexture& texture, std::uint64_t seed) {
   if (texture.order() == 0) return {};
   const detail::SymmetricEigen eigen = detail::symmetric_eigen(stationary_covariance(texture.A, texture.B));
@@ -56,13 +56,13 @@ Eigen::VectorXd stationary_state(const LinearDynamicTexture& texture, std::uint6
   return eigen.vectors * scale.cwiseProduct(normals(core::Rng(seed, stream(0, 0, kFirst)), texture.order()));
 }
 
-/// Returns the weights of C's columns for a state.
+/// The weights of C's columns for a state.
 Eigen::VectorXf column_weights(const LinearDynamicTexture& texture,
                                const Eigen::Ref<const Eigen::VectorXd>& state) {
   return texture.weights.cwiseProduct(state.head(texture.components())).cast<float>();
 }
 
-/// Draws v(t) of frame t.
+/// v(t) of frame t.
 Eigen::VectorXd driving_noise(const LinearDynamicTexture& texture, core::Rng rng) {
   if (texture.residuals.size() > 0)
     return texture.residuals.col(rng.below(static_cast<std::uint32_t>(texture.residuals.cols())));
@@ -78,7 +78,7 @@ Eigen::VectorXd driving_noise(const LinearDynamicTexture& texture, core::Rng rng
   return v;
 }
 
-/// Returns the frame's values as a row vector.
+/// A row vector of the frame's values.
 cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) {
   const core::ClipInfo& info = texture.info;
   if (levels.cols != info.width || levels.rows != info.height ||
@@ -90,7 +90,7 @@ cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) 
   return levels.isContinuous() ? levels : levels.clone();
 }
 
-/// Draws v of all frames of a loop, a column each: v(t) leads to frame t + 1.
+/// v of all frames of a loop, a column each: v(t) leads to frame t + 1.
 Eigen::MatrixXd driving_circle(const LinearDynamicTexture& texture, const SynthesisOptions& options) {
   Eigen::MatrixXd noise(texture.B.cols(), options.loop);
   for (Eigen::Index t = 0; t < noise.cols(); ++t)

@@ -27,7 +27,7 @@ bool is_part(const fs::path& path) {
   return fs::is_directory(path, ignored) && fs::is_regular_file(path / kText, ignored);
 }
 
-// Returns whether a file is one of a model, of its parts, or written next to it.
+// Returns whether a file belongs to a model or its parts.
 bool belongs_to_model(const fs::path& file) {
   const auto name = file.filename().string();
   return is_part(file) || name == kText || name == "summary.json" || name == "components.png" ||

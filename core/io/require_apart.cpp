@@ -35,7 +35,7 @@ std::optional<FoundFile> find_file(const fs::path& path) {
   return FoundFile{{found.st_dev, found.st_ino}, S_ISDIR(found.st_mode)};
 }
 
-/// Returns the entries of a folder; none where it cannot be read.
+/// The entries of a folder; none where it cannot be read.
 std::vector<fs::path> entries(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;

@@ -32,7 +32,7 @@ const std::string& host() {
   return name;
 }
 
-/// Returns whether a name is ".emberfold-HOST-PID-N.part…" of this machine and its process has ended.
+/// True for ".emberfold-HOST-PID-N.part…" of this machine whose process has ended.
 bool is_left_over(const std::string& name) {
   const std::string head = std::string(kHead) + host() + "-";
   if (!name.starts_with(head) || name.find(kMark, head.size()) == std::string::npos) return false;

@@ -298,8 +298,7 @@ class TiffReader {
     }
   }
 
-  /// Turns the planes of a page into pages where its head lists them so: a short stack written without a
-  /// description looks like one picture in colour.
+  /// Turns planes that the head lists as pages into pages: a short stack looks like one picture in colour.
   void spread_planes(std::vector<TiffPage>& pages) const {
     const TiffPage first = pages.front();
     if (pages.size() != 1 || first.planes != 2 || first.samples < 2 || first.photometric != 2) return;

@@ -71,7 +71,7 @@ PixelKind pixel_kind(const AVFrame& frame) {
           frame.color_range == AVCOL_RANGE_JPEG};
 }
 
-/// Returns the clockwise turns that the container asks for.
+/// Clockwise turns that the container asks for.
 std::optional<cv::RotateFlags> stored_turn(const AVStream& stream) {
 #if LIBAVCODEC_VERSION_MAJOR >= 61
   const AVPacketSideData* data = av_packet_side_data_get(
@@ -320,8 +320,7 @@ class VideoFileDecoder final : public FrameDecoder {
     info_.times = std::move(times);
   }
 
-  /// Returns the frame as levels. Throws core::IoError where it has another size or kind than those before
-  /// it.
+  /// The frame as levels. Throws core::IoError where it has another size or kind than those before it.
   cv::Mat converted() {
     const AVFrame& frame = stream_->frame();
     const cv::Size size(frame.width, frame.height);

@@ -26,7 +26,7 @@ CountedClip total(std::span<const CountedClip> clips) {
   return sum;
 }
 
-/// Returns Pearson's statistic of counts about the group's own rate.
+/// Pearson's statistic of counts about the group's own rate.
 double pearson(std::span<const CountedClip> clips) {
   const auto all = total(clips);
   double sum = 0;
@@ -41,7 +41,7 @@ double dispersion_of(double statistic, double freedom) {
   return freedom > 0 ? std::max(1., statistic / freedom) : 1;
 }
 
-/// Returns the square of the ratio of Student's quantile to the normal one; 1 where nothing was estimated.
+/// The square of the ratio of Student's quantile to the normal one; 1 where nothing was estimated.
 double widening(double dispersion, double freedom, double level) {
   if (dispersion <= 1 || freedom <= 0) return 1;
   const double upper = (1 + level) / 2;
@@ -67,7 +67,7 @@ double distance(const CountedClip& a, const CountedClip& b) {
   return std::abs(std::log((a.count + 0.5) / a.exposure) - std::log((b.count + 0.5) / b.exposure));
 }
 
-/// Returns the share of assignments of clips to groups in which the groups differ as much as they do.
+/// Share of the assignments of clips to groups in which these differ as much.
 double permutation_p(std::span<const CountedClip> first, std::span<const CountedClip> second, double ways,
                      std::uint64_t seed) {
   constexpr double kAlike = 1e-9;

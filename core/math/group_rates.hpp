@@ -23,8 +23,8 @@ struct GroupRate {
 
 /// Returns the rate of a group of clips: all events over all time. Clips differ by more than chance among
 /// independent events, so the interval is Garwood's of counts divided by the dispersion (quasi-Poisson;
-/// Wedderburn 1974), widened as Student's t is compared with the normal law, since few clips determine it
-/// poorly. Throws core::InputError for no clip, and as event_rate does.
+/// Wedderburn 1974), widened as Student's t is from the normal law, since few clips determine it poorly.
+/// Throws core::InputError for no clip, and as event_rate does.
 GroupRate group_rate(std::span<const CountedClip> clips, double level = 0.9);
 
 /// Comparison of the rates of two groups of clips.

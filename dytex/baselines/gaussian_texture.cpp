@@ -21,7 +21,7 @@ constexpr double kLeastPairs = 0.5;  // of pixels: counts are whole numbers up t
 constexpr float kUniformScale = 0x1p-32F * 3.4641016F;
 constexpr std::uint32_t kGaussianNoise = 0x7e87;  // of random streams
 
-/// Returns a size that transforms are fast at, of a frame and the lags beyond it.
+/// A size that transforms are fast at, of a frame and the lags beyond it.
 cv::Size padded_size(cv::Size frame) {
   return {cv::getOptimalDFTSize(frame.width + kTextureReach),
           cv::getOptimalDFTSize(frame.height + kTextureReach)};
@@ -35,7 +35,7 @@ cv::Mat transformed(const cv::Mat& values, cv::Size size) {
   return spectrum;
 }
 
-/// Returns the index of a lag in a periodic table.
+/// Index of a lag in a periodic table.
 int wrap_lag(int lag, int length) {
   return ((lag % length) + length) % length;
 }

@@ -40,9 +40,9 @@ class GaussianTextureLearner {
   cv::Mat within_, within_count_, ahead_, ahead_count_;  // spectra, as cv::dft packs them
 };
 
-/// Draws frames of a texture without an end; the same at any number of threads. Wave k follows z_{t+1} = ρ
-/// z_t + √(S (1 − |ρ|²)) w_t with w white, S and ρ S the transforms of `within` and `ahead`, |ρ| ≤ 0.99; the
-/// angle of ρ is drift. Periodic in both directions. The first frame is stationary too.
+/// Draws frames of a texture without an end; the same at any number of threads. Wave k follows
+/// z_{t+1} = ρ z_t + √(S (1 − |ρ|²)) w_t with w white, S and ρ S the transforms of `within` and `ahead`,
+/// |ρ| ≤ 0.99; the angle of ρ is drift. Periodic in both directions. The first frame is stationary too.
 class GaussianTextureFrames {
  public:
   /// `stream`: separates textures that are drawn with one seed. `speed`: factor of time, below 0 backwards: ρ

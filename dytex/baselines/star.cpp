@@ -72,7 +72,7 @@ void step_plane(const Star& star, int reach, const std::vector<cv::Mat>& past, c
   }
 }
 
-// Returns s of the next frame, all planes; `noise` holds a(x, y) inside its borders.
+// s of the next frame, all planes; `noise` holds a(x, y) inside its borders.
 cv::Mat step(const Star& star, const std::vector<cv::Mat>& past, cv::Mat noise) {
   const int channels = star.info.channels, reach = reach_of(star);
   core::parallel_for(static_cast<std::size_t>(channels), {}, [&](std::size_t c) {

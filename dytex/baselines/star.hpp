@@ -31,7 +31,7 @@ struct StarTerm {
 /// grey clips and one mean; a mean for every pixel lets STAR show clips whose background differs from place
 /// to place.)
 struct Star {
-  core::ClipInfo info;           ///< of the clip it was learned from; `frames` is their number
+  core::ClipInfo info;           ///< of the clip it was learned from; `frames` is its length
   Eigen::VectorXf mean;          ///< width · height · channels values in the order of a frame's memory
   std::vector<StarTerm> terms;   ///< sorted as star_terms() gives them
   Eigen::VectorXd coefficients;  ///< one for each term
@@ -64,8 +64,8 @@ double spectral_radius(const Star& star);
 
 struct StarResult {
   Star star;
-  double least_squares_radius = 0;  ///< as fitted; replaced from 0.999 on
-  std::vector<std::string> notes;   ///< a line for everything that was replaced
+  double least_squares_radius = 0;  ///< as fitted; scaled from 0.999 on
+  std::vector<std::string> notes;   ///< a line for everything not kept as fitted
 };
 
 /// Learns by least squares over pixels with all their neighbours in the frame: all of them, or 2^16 drawn

@@ -183,7 +183,7 @@ void fit(core::FrameSource& source, int reach, Star& star, const core::Context& 
   star.coefficients << alike, later;
 }
 
-// Returns the variance of s in an endless frame under noise of variance 1.
+// Variance of s in an endless frame under noise of variance 1.
 double variance_gain(const Star& star) {
   double sum = 0;
   int waves = 0;

@@ -18,13 +18,13 @@ namespace emberfold::dytex {
 
 namespace {
 
-/// Returns Σ (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ over all frames, A's multiplied by `damping`.
+/// Σ (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ over all frames, A's multiplied by `damping`.
 Eigen::MatrixXd observed(const Eigen::MatrixXd& A_p, const Eigen::MatrixXd& A_q,
                          const Eigen::MatrixXd& products, double damping = 1) {
   return detail::doubled_sum(damping * A_p.transpose(), damping * A_q, products);
 }
 
-/// Returns F with Fᵀ P F = I on the directions in which the symmetric P is not 0.
+/// F with Fᵀ P F = I on the directions in which the symmetric P is not 0.
 Eigen::MatrixXd whitening(const Eigen::MatrixXd& P) {
   const auto eigen = detail::symmetric_eigen((P + P.transpose()) / 2);
   const double least =
@@ -44,7 +44,7 @@ Eigen::VectorXd angles_of(const LinearDynamicTexture& p, const LinearDynamicText
   return cosines.unaryExpr([&](double c) { return c >= 1 - rounding ? 0.0 : std::acos(c); });
 }
 
-/// Returns the symmetric square root of Q = B Bᵀ.
+/// The symmetric square root of Q = B Bᵀ.
 Eigen::MatrixXd root(const Eigen::MatrixXd& B) {
   const auto eigen = detail::symmetric_eigen(B * B.transpose());
   return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose();

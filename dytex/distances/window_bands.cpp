@@ -22,7 +22,7 @@ double hann(int i, int length) {
   return s * s;
 }
 
-// Returns the band of squared cycles in a window: octaves' three quarters, 1 … 8 cycles.
+// The band of squared cycles in a window: octaves' three quarters, 1 … 8 cycles.
 int width_band(int squared) {
   constexpr std::array<int, 3> kEdges{3, 8, 23};
   return static_cast<int>(std::ranges::upper_bound(kEdges, squared) - kEdges.begin());

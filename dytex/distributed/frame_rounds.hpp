@@ -17,8 +17,8 @@ namespace emberfold::dytex {
 
 /// A clip that ranks read in turns.
 struct SharedClip {
-  core::ClipInfo info;  ///< the same on all ranks
-  int readers = 1;      ///< ranks 0 … readers − 1 read; above 1, info.frames is their number
+  core::ClipInfo info;                  ///< the same on all ranks
+  int readers = 1;                      ///< ranks 0 … readers − 1 read; above 1, info.frames is exact
   core::FrameSource* source = nullptr;  ///< on those ranks
 };
 
@@ -33,7 +33,7 @@ class FrameRounds {
   /// held.
   FrameRounds(Communicator& ranks, const Stripes& stripes, const SharedClip& clip, std::size_t memory);
 
-  /// Reads at most `most` frames, starting at frame `first`, and puts this rank's stripes of them. Returns
+  /// Reads at most `most` frames from frame `first` on, and puts this rank's stripes of them. Returns
   /// the number of frames, the same on all ranks; 0 at the clip's end. Throws FailedTogether.
   std::size_t next(std::size_t first, std::size_t most, const PutValues& put, const core::Context& context);
 

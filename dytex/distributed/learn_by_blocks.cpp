@@ -17,7 +17,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// Returns the number of strongest directions kept from block to block: enough that the rest is not missed.
+/// Number of strongest directions kept from block to block: enough that the rest is not missed.
 Eigen::Index kept_directions(const LearnOptions& options) {
   constexpr Eigen::Index kSpare = 50, kForShare = 200;
   const Eigen::Index n = options.components;
@@ -142,7 +142,7 @@ class BlockFrames {
     });
   }
 
-  /// Reads up to `most` frames, starting at frame `first`, in the number of rounds that they need; `ended` is
+  /// Reads up to `most` frames from `first` on, in several rounds if needed; `ended` is
   /// set at the clip's end.
   std::size_t read(std::size_t first, std::size_t most, bool& ended) {
     std::size_t count = 0;
@@ -195,7 +195,7 @@ MergedStripes decompose(const DistributedJob& job, const BlockFrames& frames, st
   return result;
 }
 
-/// Finds the strongest directions of columns from their Gram matrix, of which the lower half is read.
+/// The strongest directions of columns from their Gram matrix, of which the lower half is read.
 void take_directions(const Eigen::MatrixXd& products, Eigen::Index most, BlockMerge& block) {
   if (!products.triangularView<Eigen::Lower>().toDenseMatrix().allFinite())
     throw core::InputError("the clip has a value that is not finite");

@@ -22,7 +22,7 @@ class StripeKeeper {
   virtual void put(std::size_t stripe, std::size_t offset, std::span<const std::byte> values) = 0;
   /// Returns the first `size` bytes that were put; valid as long as the keeper.
   virtual std::span<const std::byte> values(std::size_t stripe, std::size_t size) = 0;
-  /// Returns once all that this rank has put would survive a crash of the machine.
+  /// Returns once all that this rank has put survives a crash of the machine.
   virtual void flush() = 0;
 
   /// Stores bytes under a name, whole or not at all, in place of what had that name.

@@ -47,7 +47,7 @@ class TreeSum {
         rows_(rows),
         columns_(columns) {}
 
-  /// Returns the sum of the stripes from `begin` on, a subtree of `size` leaves; on the owner of the first.
+  /// The sum of the stripes from `begin` on, a subtree of `size` leaves; on the owner of the first.
   Eigen::MatrixXd sum(std::size_t begin, std::size_t size) {
     const std::size_t end = std::min(begin + size, stripes_.count()), own = stripes_.first_of(ranks_.rank()),
                       own_end = stripes_.first_of(ranks_.rank() + 1);

@@ -52,7 +52,7 @@ struct Work {
   void note(const std::string& text) { result.notes.push_back(text); }
 };
 
-/// Returns tr W P W of the group's components; unweighted where all weights are 0.
+/// tr W P W of the group's components; unweighted where all weights are 0.
 double contrast(const LinearDynamicTexture& texture, const Group& group, const MatrixXd& P) {
   VectorXd variances(group.shown), weights(group.shown);
   for (Index i = 0; i < group.shown; ++i) {
@@ -80,8 +80,7 @@ void note_losses(Work& work, const detail::EditedDynamics& edited) {
         " % of the noise that would was negative and was cut");
 }
 
-/// Stores the group's new dynamics. Where the noise has more inputs than before, residuals and marginals that
-/// it was drawn from are dropped.
+/// Stores the group's new dynamics. Where the noise gets more inputs, the residuals are dropped.
 void store_group(Work& work, const Group& group, const detail::EditedDynamics& edited) {
   LinearDynamicTexture& texture = work.texture();
   texture.A(group.states, group.states) = edited.A;

@@ -13,7 +13,7 @@ using Eigen::Index;
 
 namespace {
 
-/// Returns the components of the channel, then the earlier values of them that a higher order keeps.
+/// Components of the channel, then the earlier values of them that a higher order keeps.
 Group channel_group(const LinearDynamicTexture& texture, int channel) {
   Group group;
   const Index n = texture.components();

@@ -25,13 +25,13 @@ constexpr double kSwapError = 100 * std::numeric_limits<double>::epsilon();  // 
 struct Schur {
   MatrixXd T, basis, inverse;
   [[nodiscard]] Index size() const { return T.rows(); }
-  /// Returns the rows of the diagonal block that begins at `first`: 1 or 2.
+  /// Rows of the diagonal block that begins at `first`: 1 or 2.
   [[nodiscard]] Index width(Index first) const {
     return first + 1 < size() && T(first + 1, first) != 0 ? 2 : 1;
   }
 };
 
-/// Returns both eigenvalues of a 2 × 2 block.
+/// Both eigenvalues of a 2 × 2 block.
 std::pair<Complex, Complex> eigenvalues(const Eigen::Matrix2d& block) {
   const double half = (block(0, 0) - block(1, 1)) / 2;
   const Complex root = std::sqrt(Complex(half * half + block(0, 1) * block(1, 0)));
@@ -39,7 +39,7 @@ std::pair<Complex, Complex> eigenvalues(const Eigen::Matrix2d& block) {
   return {mean + root, mean - root};
 }
 
-/// Returns a pole of the block that begins at `first`, of a pair the upper one.
+/// A pole of the block that begins at `first`, of a pair the upper one.
 Complex pole(const Schur& schur, Index first) {
   if (schur.width(first) == 1) return schur.T(first, first);
   return eigenvalues(schur.T.block<2, 2>(first, first)).first;

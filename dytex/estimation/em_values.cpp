@@ -159,7 +159,7 @@ class ValueAppearance final : public Appearance {
     }
   }
 
-  // Makes one pass: fits rows if there are moments, then sums up the clip's observations of the states.
+  // One pass: fits rows if there are moments, then sums up the clip's observations of the states.
   Observations sweep(const FrameMoments* moments) {
     const bool each = input_.options.noise_per_value;
     const Sums none{Eigen::MatrixXd::Zero(C_.cols(), frames()), Eigen::VectorXd::Zero(frames())};

@@ -52,7 +52,7 @@ void check(const Observations& seen, Eigen::Index n) {
                   std::to_string(static_cast<int>(seen.information.size()) - 1));
 }
 
-/// Computes the filtered factor and the volume of a step whose predicted factor is known.
+/// The filtered factor and the volume of a step whose predicted factor is known.
 void take_frame(const Eigen::MatrixXd* information, FilterStep& step) {
   const Eigen::MatrixXd& F = step.predicted;
   if (information == nullptr || F.cols() == 0) {
@@ -67,7 +67,7 @@ void take_frame(const Eigen::MatrixXd* information, FilterStep& step) {
   step.log_volume = factors.log_determinant();
 }
 
-/// Returns F with F Fᵀ = A P Aᵀ + B Bᵀ.
+/// F with F Fᵀ = A P Aᵀ + B Bᵀ.
 Eigen::MatrixXd advance(const StateSpace& space, const Eigen::MatrixXd& factor) {
   Eigen::MatrixXd rows(factor.cols() + space.B.cols(), space.A.rows());
   rows << (space.A * factor).transpose(), space.B.transpose();
@@ -114,7 +114,7 @@ class Steps {
   bool steady_ = false;
 };
 
-/// Returns J with J (F Fᵀ) = P Aᵀ.
+/// J with J (F Fᵀ) = P Aᵀ.
 Eigen::MatrixXd smoother_gain(const StateSpace& space, const Eigen::MatrixXd& filtered,
                               const Eigen::MatrixXd& predicted) {
   if (predicted.cols() == 0) return Eigen::MatrixXd::Zero(predicted.rows(), predicted.rows());

@@ -24,7 +24,7 @@ void check_sizes(const LinearDynamicTexture& texture, const core::ClipInfo& clip
   throw core::InputError("the clip is " + text(clip) + ", the texture " + text(info));
 }
 
-/// Returns the rows of C diag(weights), with their inverse noise.
+/// The rows of C diag(weights), with their inverse noise.
 detail::RowsOf rows_of(const LinearDynamicTexture& texture, double least_noise) {
   return [&texture, least_noise](Eigen::Index row, Eigen::Index rows) {
     detail::WeightedRows block;

@@ -47,7 +47,7 @@ void add_byte_sums(const FrameValues& values, std::size_t begin, std::size_t cou
   }
 }
 
-/// Returns the number of columns filled up to whole panels.
+/// Columns, filled up to whole panels.
 std::size_t whole_panels(std::size_t columns) {
   return (columns + kPanel - 1) / kPanel * kPanel;
 }
@@ -59,7 +59,7 @@ struct Work {
       : left(kRows * depth), out(kRows * whole_panels(columns)), mean(kRows) {}
 };
 
-/// Returns the number of rows of kSlice values; those after the last value are 0.
+/// Slices of kSlice rows; those after the last row are 0.
 std::size_t slice_count(std::size_t rows) {
   return (rows + kSlice - 1) / kSlice;
 }

@@ -31,7 +31,7 @@ struct Fit {
   Eigen::MatrixXd innovations;  ///< of the last frames, as many as were predicted
 };
 
-/// Returns (v(t), …, v(t + 1 − lags)) for t from `first` to `last`, a row each; 0 outside the clip.
+/// (v(t), …, v(t + 1 − lags)) for t from `first` to `last`, a row each; 0 outside the clip.
 Eigen::MatrixXd lagged_rows(const Eigen::MatrixXd& V, Eigen::Index lags, Eigen::Index first,
                             Eigen::Index last) {
   const Eigen::Index n = V.cols();
@@ -53,7 +53,7 @@ Eigen::MatrixXd companion(const Eigen::MatrixXd& first) {
   return A;
 }
 
-/// Returns the states of all frames; those before the clip are assumed to equal its first frame.
+/// The states of all frames; those before the clip are assumed to be its first frame.
 Eigen::MatrixXd all_states(const Eigen::MatrixXd& V, Eigen::Index lags) {
   Eigen::MatrixXd longer(V.rows() + lags - 1, V.cols());
   longer.topRows(lags - 1) = V.row(0).replicate(lags - 1, 1);
@@ -119,8 +119,8 @@ std::optional<Fit> undamped_fit(Fit fit) {
   return fit;
 }
 
-/// Returns x̂(t+1) = A x̂(t) + K (x(t) − x̂(t)) as the state (x, x̂): both rows of A are (K, A − K), and the
-/// innovation enters x. Its eigenvalues are A's and n zeros.
+/// x̂(t+1) = A x̂(t) + K (x(t) − x̂(t)) as the state (x, x̂): both rows of A are (K, A − K), and the innovation
+/// enters x. Its eigenvalues are A's and n zeros.
 Fit innovations_fit(const Eigen::MatrixXd& V, const Innovations& found) {
   const Eigen::Index n = V.cols(), frames = V.rows(), used = frames - found.first;
   Fit fit{Eigen::MatrixXd(2 * n, 2 * n), Eigen::MatrixXd(2 * n, frames), {}, {}};
@@ -194,7 +194,7 @@ std::vector<Fit> innovations_forms(const std::vector<Block>& blocks, const Learn
   return better;
 }
 
-/// Returns a block's rows in the model: layer by layer, in each in the order of the components.
+/// A block's rows in the model: layer by layer, in each in the order of the components.
 std::vector<Eigen::Index> rows_of(const Block& block, Eigen::Index n, Eigen::Index layers) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index layer = 0; layer < layers; ++layer)

@@ -21,7 +21,7 @@ struct Direction {
   Eigen::Index i;
 };
 
-/// Lists all directions, the strongest first.
+/// All directions, the strongest first.
 std::vector<Direction> directions(const std::vector<Spectrum>& spectra) {
   std::vector<Direction> result;
   for (std::size_t s = 0; s < spectra.size(); ++s)
@@ -41,7 +41,7 @@ void take_first(std::vector<Direction>& all, Eigen::Index asked, LearnResult& re
   all.resize(static_cast<std::size_t>(std::min(rank, asked)));
 }
 
-/// Returns the number of directions of a spectrum that the rule takes.
+/// Number of directions of a spectrum that the rule takes.
 Eigen::Index count_by_rule(const Spectrum& spectrum, const Eigen::MatrixXd& gram, double to_levels,
                            Eigen::Index values, const LearnOptions& options, LearnResult& result) {
   if (spectrum.rank() == 0) return 0;
@@ -84,7 +84,7 @@ std::vector<Direction> choose(const std::vector<Spectrum>& spectra, const std::v
   return all;
 }
 
-/// Returns the chosen directions of each spectrum, and which components of the model they become.
+/// The chosen directions of each spectrum, and which components of the model they become.
 std::vector<Block> blocks_of(const std::vector<Spectrum>& spectra, const std::vector<Direction>& chosen) {
   std::vector<Block> blocks(spectra.size());
   for (std::size_t place = 0; place < chosen.size(); ++place)
@@ -97,7 +97,7 @@ std::vector<Block> blocks_of(const std::vector<Spectrum>& spectra, const std::ve
   return blocks;
 }
 
-/// Returns the columns of V S⁻¹ that turn the frames' values into C, in the order of the components.
+/// The columns of V S⁻¹ that make C of the frames' values, in the order of the components.
 Eigen::MatrixXd component_weights(const std::vector<Block>& blocks, Eigen::Index n, double to_levels) {
   Eigen::MatrixXd weights(blocks[0].V.rows(), n);
   for (const Block& block : blocks)
@@ -123,8 +123,8 @@ void match_variance(LearnResult& result) {
   result.notes.back() += ": its noise is scaled to the clip's variance";
 }
 
-/// Returns the residual variance after the components, by its degrees of freedom: n directions of the frames
-/// and of time, and the mean, are subtracted from m × τ values.
+/// The residual variance by its degrees of freedom: n directions of the frames and of time, and the mean, are
+/// taken out of m × τ values.
 double left_variance(const std::vector<Spectrum>& spectra, const std::vector<Block>& blocks, Eigen::Index m) {
   const Eigen::Index frames = spectra[0].singular.size(),
                      values = m / static_cast<Eigen::Index>(spectra.size());

@@ -25,7 +25,7 @@ struct Miss {
   double all = 0, left_out = 0;
 };
 
-/// Returns the error of the forecast of frame `target` from the `length` frames before it.
+/// Error of the forecast of frame `target` from the `length` frames before it.
 Miss forecast_miss(const Eigen::MatrixXd& gram, Eigen::Index target, Eigen::Index length,
                    Eigen::Index components) {
   const Eigen::Index first = target - length;
@@ -70,7 +70,7 @@ std::vector<int> choose_lengths(int shortest, int longest, int count) {
   return lengths;
 }
 
-/// Returns the smoothed error at point i: the mean with its neighbours.
+/// The smoothed error at point i: the mean with its neighbours.
 double smooth_error(const std::vector<CurvePoint>& points, std::size_t i) {
   const std::size_t first = i > 0 ? i - 1 : 0, last = std::min(i + 1, points.size() - 1);
   double sum = 0;

@@ -32,13 +32,12 @@ Eigen::MatrixXd project_future(const Eigen::MatrixXd& future, const Eigen::Matri
   return future * Q * Q.transpose();
 }
 
-/// Returns the most frames of past with twice as many columns as rows of past, 2 … 10.
+/// The most frames of past with twice as many columns as rows of past, 2 … 10.
 Eigen::Index past_length(Eigen::Index frames, Eigen::Index n) {
   return std::clamp<Eigen::Index>((frames + 1) / (2 * n + 2), kLeastPast, kMostPast);
 }
 
-/// Returns K of the steady state of x(t+1) = A x + w, y = x + e, cov(w, e) = (Q, S; Sᵀ, R): the Riccati
-/// recursion.
+/// K of the steady state of x(t+1) = A x + w, y = x + e, cov(w, e) = (Q, S; Sᵀ, R): the Riccati recursion.
 Eigen::MatrixXd steady_gain(const Eigen::MatrixXd& A, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& S,
                             const Eigen::MatrixXd& R) {
   Eigen::MatrixXd P = Q, gain;

@@ -25,7 +25,7 @@ struct Parameters {
       : F(all.data(), n, n), K(all.data() + n * n, n, n), first(all.data() + 2 * n * n, n) {}
 };
 
-/// Computes x̂(t+1) = F x̂(t) + K x(t).
+/// x̂(t+1) = F x̂(t) + K x(t).
 Eigen::MatrixXd forecasts(const Eigen::MatrixXd& states, const Parameters& of) {
   Eigen::MatrixXd result(states.rows(), states.cols());
   result.col(0) = of.first;

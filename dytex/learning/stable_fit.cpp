@@ -50,7 +50,7 @@ struct Descent {
   double error = 0;
 };
 
-/// Descends by the fast gradient, restarted from the current point whenever it would go up.
+/// Fast gradient, restarted from the current point whenever it would go up.
 Descent descend(const StableObjective& objective, StableForm start, double most,
                 const core::Context& context) {
   Descent best{std::move(start), 0};

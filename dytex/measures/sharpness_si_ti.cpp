@@ -36,7 +36,7 @@ using core::sobel;
 using detail::check_alike;
 using detail::check_luma;
 
-// Finds points where the gradient's magnitude is largest along its own direction.
+// Points where the gradient's magnitude is largest along its own direction.
 std::vector<CreasePoint> crease_points(const core::ImageGradient& g) {
   std::vector<CreasePoint> points;
   for (int y = 2; y + 2 < g.size.rows; ++y)

@@ -19,8 +19,7 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;  // pixels whose spectra are summed at once
 
-// The Hann window, sampled in the middles of its steps, so that it vanishes nowhere; Σ w² = 3/8 length from
-// length 3 on.
+// Sampled in the middles of its steps, so that it vanishes nowhere; Σ w² = 3/8 length from length 3 on.
 double hann(int i, int length) {
   const double s = std::sin(std::numbers::pi * (i + 0.5) / length);
   return s * s;

@@ -36,7 +36,7 @@ void load(const Trajectories& source, int chunk, std::size_t first, Eigen::Index
   if (source.info().depth == CV_32F) convert(static_cast<const float*>(nullptr));
 }
 
-// Returns trajectories as columns: of all pixels where there are few, else of pixels drawn at random.
+// Trajectories as columns: of all pixels where there are few, else of pixels drawn at random.
 Eigen::MatrixXf sample(std::span<const Trajectories* const> sources, std::uint64_t seed) {
   std::size_t pixels = 0;
   for (const auto* source : sources) pixels += source->pixels();
@@ -57,7 +57,7 @@ Eigen::MatrixXf sample(std::span<const Trajectories* const> sources, std::uint64
   return columns;
 }
 
-// Returns a · b by blocks of a's rows, on all threads.
+// a · b by blocks of a's rows, on all threads.
 Eigen::MatrixXf product(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen::MatrixXf& b) {
   if (a.cols() == 0) return Eigen::MatrixXf::Zero(a.rows(), b.cols());
   Eigen::MatrixXf out(a.rows(), b.cols());
@@ -70,8 +70,7 @@ Eigen::MatrixXf product(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen:
   return out;
 }
 
-// Returns an orthonormal basis of the columns' span: Gram–Schmidt, twice; nearly dependent columns are
-// dropped.
+// An orthonormal basis of the columns' span: Gram–Schmidt, twice; nearly dependent columns are dropped.
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd q(columns.rows(), columns.cols());
   Eigen::Index kept = 0;

@@ -72,8 +72,8 @@ struct QuiltResult {
 /// places whose squared difference over the overlap, summed over time and channels, is within the tolerance
 /// of the least one; it is cut along seams of least error, the same in every frame. Seams::moving then lets
 /// the seams move in space and time (as minimum cuts, Kwatra et al. 2003), wherever blocks have been placed.
-/// The search works in a basis of rank k whose bounds leave only few places to compare exactly: it chooses as
-/// an exhaustive search would. With one frame this is quilting of still images.
+/// The search works in a basis of rank k whose bounds select the places to compare exactly: it chooses as an
+/// exhaustive search would. With one frame this is quilting of still images.
 ///
 /// Sources agree in frames, channels and depth, and chunk_frames. Throws InputError where they do not, where
 /// none of them holds a block, or where the mask forbids every place. The same result at any thread count.

@@ -15,7 +15,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-// Returns the size of the largest connected piece without a seam.
+// Size of the largest connected piece without a seam.
 std::size_t largest_piece(const QuiltMap& map) {
   std::vector<std::size_t> parent(map.pixels.size()), count(map.pixels.size(), 1);
   std::iota(parent.begin(), parent.end(), std::size_t{0});

@@ -68,7 +68,7 @@ BlockSearch::Scale BlockSearch::scale_of(const BlockQuery& query) const {
   return scale;
 }
 
-// Returns 1 where a block may be taken from, else 0.
+// 1 where a block may be taken from, else 0.
 cv::Mat BlockSearch::allowed(std::size_t source, cv::Size block) const {
   const cv::Size size = courses_[source]->size();
   if (size.width < block.width || size.height < block.height) return {};

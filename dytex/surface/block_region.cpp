@@ -11,7 +11,7 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-/// Returns the frame whose squared lengths are the mean of those of some texels.
+/// The frame whose squared lengths are the mean of those of some texels.
 SurfaceFrame mean_frame(const SurfaceLayout& layout, const BlockRegion& region) {
   double right = 0, mixed = 0, below = 0;
   for (const auto& one : region.texels) {

@@ -13,7 +13,7 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-// Returns the texels of charts, the chart with most of them first, each row by row.
+// The texels of charts, the chart with most of them first, each row by row.
 std::vector<std::int32_t> texels_by_chart(const SurfaceLayout& layout) {
   const auto charts = static_cast<std::size_t>(layout.chart_count);
   std::vector<std::size_t> count(charts), rank(charts), begin(charts);

@@ -35,7 +35,7 @@ class SurfaceCanvas {
                 const QuiltOptions& options);
 
   /// Returns the place of the next block: around the first empty texel, of the largest chart that has one,
-  /// `overlap` from the block's top, and from that of its sides where the block fills more. Where none is
+  /// `overlap` from the block's top and from the side where the block fills more. Where none is
   /// empty, places of half that size along glued edges follow, then nothing.
   [[nodiscard]] std::optional<SurfacePlace> next();
   /// Returns the surroundings that a block there has to fit: all that it meets in its chart and beyond glued

@@ -37,8 +37,7 @@ struct GluedEdge {
 struct SurfaceLayout {
   cv::Size size;                        ///< px, of the texture
   double pixel = 0;                     ///< size of a source pixel on the surface, in the mesh's unit
-  std::vector<std::int32_t> triangles;  ///< of each texel, row by row: the one that contains its centre, or
-                                        ///< −1
+  std::vector<std::int32_t> triangles;  ///< of each texel, row by row: the one containing its centre, or −1
   std::vector<std::int32_t> charts;     ///< of each triangle, from 0
   std::vector<SurfaceFrame> frames;     ///< of each triangle
   std::vector<cv::Point2d> centres;     ///< of each triangle, px of the texture
@@ -46,7 +45,7 @@ struct SurfaceLayout {
   int chart_count = 0;
   int hidden_charts = 0;      ///< charts without a texel
   std::int64_t covered = 0;   ///< texels of the surface
-  std::int64_t repeated = 0;  ///< of these, number of further places of the surface shown
+  std::int64_t repeated = 0;  ///< further places of the surface that they show
 
   [[nodiscard]] bool contains(const cv::Point& texel) const { return cv::Rect({}, size).contains(texel); }
   [[nodiscard]] std::size_t index(const cv::Point& texel) const {

@@ -105,7 +105,7 @@ EMBERFOLD_INLINE void put(float level, std::uint8_t& to) {
   to = static_cast<std::uint8_t>(bits);
 }
 
-/// Draws a stretch of whole tiles: count is a multiple of their rows. frames[i] + offset gets the values.
+/// A stretch of whole tiles: count is a multiple of their rows. frames[i] + offset gets the values.
 template <class Rows, int kFrames, class Value>
 EMBERFOLD_INLINE void draw_stretch(const Batch& batch, Index first, Index count,
                                    const std::array<Value*, kBatch>& frames, Index offset) {

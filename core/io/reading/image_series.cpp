@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMostStrangers = 0.1;  // share of files that belong to no series
 
-/// Returns the name with a star for each of its numbers.
+/// The name with a star for each of its numbers.
 std::string without_numbers(const std::string& name) {
   std::string kept;
   for (const char c : name) {

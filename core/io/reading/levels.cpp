@@ -65,14 +65,14 @@ struct AutoLevels {
   std::string words;
 };
 
-/// Returns whether the values from 0 on may hide the clip's content, so that a second pass is worth its time.
+/// Returns whether values from 0 on may hide content, so that a second pass is worth its time.
 bool is_doubtful(const ValueRange& values, int depth) {
   const double white = white_of(values.max, depth);
   return values.low < 0 || values.high - values.low < kSmallPart * white ||
          white >= kStray * white_of(values.high, depth);
 }
 
-/// Returns the range with a margin for noise, inside the values that occur; whole numbers for 16 bits.
+/// The range with a margin for noise, inside the values that occur; whole numbers for 16 bits.
 LevelRange spread_range(const ValueRange& values, const SharedRange& shared, int depth) {
   const double margin = kMargin * (shared.max - shared.min);
   double black = std::max(values.min, shared.min - margin), white = std::min(values.max, shared.max + margin);

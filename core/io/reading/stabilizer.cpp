@@ -46,7 +46,7 @@ core::CameraMotion scaled(core::CameraMotion motion, double factor) {
   return motion;
 }
 
-/// Returns the motion that first undoes a step of the reference, then does `motion`.
+/// The motion that first undoes a step of the reference, then does `motion`.
 core::CameraMotion after_step(const core::CameraMotion& motion, const Steps& step) {
   const double scale = 1 / (1 + step[2]), angle = -step[3];
   const double x = -scale * (std::cos(angle) * step[0] - std::sin(angle) * step[1]),
@@ -70,7 +70,7 @@ double spread(const cv::Mat& difference, const cv::Mat& weight) {
   return std::max(0.01, 1.4826 * static_cast<double>(*middle));
 }
 
-/// Finds the step of the reference that explains the difference best.
+/// The step of the reference that explains the difference best.
 Steps best_step(const Level& level, const cv::Mat& difference, const cv::Mat& weight, double misfit,
                 bool similarity) {
   const double limit = kTukey * misfit;

@@ -235,7 +235,7 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
                    cv::BORDER_REPLICATE);
     cv::warpAffine(counts, seen, matrix, stored_, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);
     mask_ = seen > 127;
-    // Cubic interpolation overshoots; floats may lie outside the range anyway.
+    // Cubic interpolation overshoots; floats below black may have been there before.
     if (placed.depth() != CV_32F) cv::min(placed, cv::Scalar::all(info_.white), placed);
     return placed;
   }

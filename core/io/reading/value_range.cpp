@@ -89,7 +89,7 @@ class ValueCounter {
   int each_ = 1, next_ = 0;
 };
 
-/// Returns the four lines of three pixels through a pixel.
+/// The four lines of three pixels through a pixel.
 std::array<cv::Mat1b, 4> lines_of_three() {
   return {cv::Mat1b((cv::Mat1b(3, 3) << 0, 0, 0, 1, 1, 1, 0, 0, 0)),
           cv::Mat1b((cv::Mat1b(3, 3) << 0, 1, 0, 0, 1, 0, 0, 1, 0)),

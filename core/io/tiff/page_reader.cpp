@@ -28,7 +28,7 @@ void require(bool holds) {
   if (!holds) throw Undecodable();
 }
 
-/// Keeps libtiff from printing a message.
+/// Suppresses a message of libtiff.
 int quiet(TIFF*, void*, const char*, const char*, std::va_list) {
   return 1;
 }

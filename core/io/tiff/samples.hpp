@@ -11,7 +11,7 @@
 
 namespace emberfold::io {
 
-/// Note on a dropped alpha channel, the same as for other images.
+/// Note on a dropped alpha channel, as for other images.
 inline constexpr std::string_view kAlphaDropped = "its alpha channel is dropped";
 
 /// Meaning of the numbers of a page, from its head.
@@ -24,8 +24,7 @@ struct SampleMeaning {
   std::vector<std::string> notes = {};  ///< as text that follows the file's name
 };
 
-/// Returns the meaning of a page's values. Throws core::IoError (without a prefix) where their kind is not
-/// supported.
+/// Interprets a page's values. Throws core::IoError (without a prefix) where their kind is not supported.
 SampleMeaning meaning_of(const TiffPage& page);
 
 /// Returns the samples that make the picture, in its order: blue, green and red, or one.

@@ -57,14 +57,14 @@ bool fits(const std::vector<Axis>& axes, const TiffPage& page) {
          (inside == 2 || end[-3].size == page.samples);
 }
 
-/// Returns the axes above the page that are longer than 1, the slowest first.
+/// The axes above the page that are longer than 1, the slowest first.
 std::vector<Axis> axes_above(std::vector<Axis> axes, const TiffPage& page) {
   axes.resize(axes.size() - axes_in_page(page));
   std::erase_if(axes, [](const Axis& axis) { return axis.size == 1; });
   return axes;
 }
 
-/// Returns the number of pages; 0 where it is out of range.
+/// The number of pages; 0 where it is out of range.
 std::uint64_t product(const std::vector<Axis>& axes) {
   std::uint64_t pages = 1;
   for (const Axis& axis : axes) {

@@ -12,7 +12,7 @@ namespace emberfold::io {
 struct XmlTag {
   std::string name;  ///< of a closing tag with its slash in front
   std::map<std::string, std::string> attributes;
-  std::string_view text;  ///< from it to the next tag
+  std::string_view text;  ///< after it, up to the next tag
 };
 
 /// Reads the tags of an XML text one after another; of text that is not XML whatever looks like tags.
