@@ -21,7 +21,7 @@ bool is_image_name(const std::filesystem::path& path);
 /// A printf number at the start of a pattern.
 struct PatternNumber {
   std::size_t length = 0;  ///< characters of the pattern
-  std::size_t digits = 0;  ///< minimum number printed; 0: not padded with zeros
+  std::size_t digits = 0;  ///< minimum printed; 0: not padded with zeros
 };
 
 /// Returns the number that a pattern begins with, %d or %0Nd with N below 100; nothing where it does not.

@@ -273,7 +273,7 @@ class TiffReader {
     return first.compression == 1 && first.stored_bytes > 0 ? (link_ - first.offset) / first.stored_bytes : 0;
   }
 
-  /// Lists the pictures behind the first page that have no heads: of a MetaMorph stack; of ImageJ's large
+  /// Lists the pictures after the first page that have no heads: of a MetaMorph stack; of ImageJ's large
   /// stacks; where the file ends before the heads, which some programs write last.
   void add_raw_pages(std::vector<TiffPage>& pages) {
     const TiffPage first = pages.front();
@@ -340,7 +340,7 @@ class TiffReader {
   fs::path path_;
   const core::Warn& warn_;
   std::ifstream in_;
-  std::uint64_t size_ = 0, link_ = 0;  ///< link_: to a head behind the file's end
+  std::uint64_t size_ = 0, link_ = 0;  ///< link_: to a head after the file's end
   bool little_ = true, big_ = false, is_first_ = true, chain_is_cut_ = false, description_is_lost_ = false;
 };
 

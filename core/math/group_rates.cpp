@@ -67,7 +67,7 @@ double distance(const CountedClip& a, const CountedClip& b) {
   return std::abs(std::log((a.count + 0.5) / a.exposure) - std::log((b.count + 0.5) / b.exposure));
 }
 
-/// Share of the assignments of clips to groups in which these differ as much.
+/// Share of the assignments of clips to groups in which these differ at least as much.
 double permutation_p(std::span<const CountedClip> first, std::span<const CountedClip> second, double ways,
                      std::uint64_t seed) {
   constexpr double kAlike = 1e-9;

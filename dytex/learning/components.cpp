@@ -52,7 +52,7 @@ std::size_t whole_panels(std::size_t columns) {
   return (columns + kPanel - 1) / kPanel * kPanel;
 }
 
-/// A block of C and what it is summed from, in slices.
+/// A block of C and its factors, in slices.
 struct Work {
   std::vector<float> left, out, mean;
   Work(std::size_t depth, std::size_t columns)

@@ -31,7 +31,7 @@ struct Dynamics {
 };
 
 /// Returns a note if clips drawn from a model vary much more or less than the clip.
-/// None where both variances (`drawn`, `seen`) lie within a factor of 1.5.
+/// None where both variances (`drawn`, `seen`) are within a factor of 1.5.
 std::optional<std::string> variance_note(double drawn, double seen);
 
 /// Returns the expected variance over time of each number of the state in clips of this number of frames,

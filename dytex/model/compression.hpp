@@ -28,7 +28,7 @@ std::optional<Precision> precision_of(std::string_view name);
 /// column's range. InputError where the mean leaves f16's range, ±65504.
 core::ModelArchive to_archive(const LinearDynamicTexture& texture, Precision precision);
 
-/// Returns the texture as it is read again from an archive of this precision.
+/// Returns the texture as read again from an archive of this precision.
 LinearDynamicTexture rounded(const LinearDynamicTexture& texture, Precision precision);
 
 /// Counts the bytes of all arrays of a model of `components` of the texture's. The files have 128 more each,

@@ -25,7 +25,7 @@ Eigen::Index prediction_error_frames(Eigen::Index n);
 /// Identifies an innovations form with V's rows as outputs by stochastic subspaces.
 /// Van Overschee, De Moor 1993, algorithm 2 without weights, with as many states as outputs and as much past
 /// as the clip allows, at most 10 frames. An unstable A is replaced by that of the extended observability
-/// matrix with zeros behind it, and the note says so. None where the outputs do not determine the states. V:
+/// matrix with zeros after it, and the note says so. None where the outputs do not determine the states. V:
 /// τ × n, of unit size. O(τ (n · past)² + (n · past)³).
 std::optional<Innovations> n4sid(const Eigen::MatrixXd& V);
 

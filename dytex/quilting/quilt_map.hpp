@@ -52,7 +52,7 @@ struct QuiltMap {
   return a.source == b.source && a.x + step.x == b.x && a.y + step.y == b.y;
 }
 
-/// Returns the map of one frame, for all frames.
+/// Returns the map of one frame as a map whose seams stand still.
 QuiltMap still_at(const QuiltMap& map, int frame);
 
 /// Returns the map as an int32 array. Version 1, of a map whose seams stand still: height × width × 3
