@@ -10,7 +10,8 @@
 
 namespace emberfold::core {
 
-/// Where a part of a clip begins: added to positions and times of the part they count from `counted_from`.
+/// Origin of a part of a clip. Added to positions and times of the part, it makes them relative to
+/// `counted_from`.
 struct ClipOrigin {
   double x = 0, y = 0;       ///< px of the clip's frames
   double seconds = 0;        ///< s, ≥ 0
@@ -29,12 +30,12 @@ struct ClipInfo {
   double fps = 25;     ///< frames a second, > 0
   double white = 255;  ///< value of white: 255, the true range of a 16-bit clip, or 1 for CV_32F
   std::optional<std::int64_t> frames = {};  ///< number of frames, if known without reading
-  bool fps_is_known = true;                 ///< false: nothing tells the rate, and `fps` is a guess
+  bool fps_is_known = true;                 ///< false: the rate is unknown, and `fps` is a guess
   std::optional<double> pixel_um = {};      ///< side of a pixel, µm, > 0, where known
-  /// Time of each frame, s, ascending, of the source's first or of the part's; empty where the frames are
+  /// Time of each frame, s, ascending, from the source's first frame or the part's; empty where frames are
   /// evenly spaced, `fps` a second.
   std::vector<double> times = {};
-  ClipOrigin origin = {};  ///< `times` have its seconds already
+  ClipOrigin origin = {};  ///< its seconds are already in `times`
 
   bool operator==(const ClipInfo&) const = default;
 };
@@ -50,7 +51,7 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
   [[nodiscard]] virtual const ClipInfo& info() const = 0;
-  /// Returns the next frame, in memory of its own and of the format info(); an empty one after the last.
+  /// Returns the next frame, in memory of its own and in the format of info(); an empty one after the last.
   virtual cv::Mat next() = 0;
   /// Restarts from the first frame.
   virtual void rewind() = 0;

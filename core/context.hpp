@@ -18,16 +18,16 @@ class Cancelled : public std::exception {
   explicit Cancelled(std::string kept_files = "nothing was kept") : kept(std::move(kept_files)) {}
   [[nodiscard]] const char* what() const noexcept override { return "cancelled"; }
 
-  std::string kept;  ///< results that remain, in words for the user
+  std::string kept;  ///< results that were kept, described for the user
 };
 
 /// Receives warnings, one line each, no newline; may be empty.
 using Warn = std::function<void(const std::string&)>;
 
-/// Memory for what is large and is kept long, such as io::MappedMemory; thread-safe.
+/// Memory for large, long-lived data, such as io::MappedMemory; thread-safe.
 using LargeMemory = std::shared_ptr<std::pmr::memory_resource>;
 
-/// Carries a stop token, sinks for progress and warnings, and memory for large things into a long call.
+/// Passes a stop token, sinks for progress and warnings, and memory for large data into a long call.
 /// The default context never stops, discards both, and keeps everything on the heap.
 class Context {
  public:
@@ -46,9 +46,9 @@ class Context {
   void warn(const std::string& text) const;
   /// Returns a copy of this context with another sink for progress.
   [[nodiscard]] Context with_progress(Progress progress) const;
-  /// Returns a copy of this context under which what grows with a clip is kept in other memory.
+  /// Returns a copy of this context that keeps data growing with the clip in other memory.
   [[nodiscard]] Context with_memory(LargeMemory memory) const;
-  /// Returns the memory for what grows with a clip; null: the heap.
+  /// Returns the memory for data that grows with the clip; null: the heap.
   [[nodiscard]] const LargeMemory& memory() const { return memory_; }
 
  private:

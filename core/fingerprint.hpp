@@ -9,11 +9,11 @@
 
 namespace emberfold::core {
 
-/// Hashes texts to 128 bits, by two sums of FNV-1a (Fowler, Noll & Vo 1991) that begin apart: equal texts in
-/// equal order give equal hashes. It tells apart what changes by itself, not what someone makes alike.
+/// Hashes texts to 128 bits, by two sums of FNV-1a (Fowler, Noll & Vo 1991) with different initial values:
+/// equal texts in equal order give equal hashes. Detects accidental changes, not deliberate collisions.
 class Fingerprint {
  public:
-  /// Adds one text. Two texts differ from one that holds both.
+  /// Adds one text. Two texts hash differently from their concatenation.
   Fingerprint& add(std::string_view text) {
     for (const char c : text) mix(static_cast<unsigned char>(c));
     for (std::uint64_t length = text.size(), i = 0; i < 8; ++i, length >>= 8) mix(length & 0xff);

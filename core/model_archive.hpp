@@ -9,7 +9,7 @@
 namespace emberfold::core {
 
 /// A learned model as files of a folder, held in memory.
-/// Rooms convert their models to archives and back; core/io reads and writes the folder.
+/// Libraries convert their models to archives and back; core/io reads and writes the folder.
 struct ModelArchive {
   std::string text;                                ///< content of model.json
   std::map<std::string, NpyArray> arrays;          ///< by file name without ".npy"

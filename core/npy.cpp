@@ -23,7 +23,7 @@ constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kMaxHeader = 65535;   // bytes: the limit of version 1, enough for plain arrays
 constexpr std::size_t kMaxDimensions = 32;  // of NumPy 1
-constexpr std::size_t kGrowthDigits = 21;   // NumPy leaves room for the growing axis to get so many digits
+constexpr std::size_t kGrowthDigits = 21;   // NumPy leaves the growing axis room for this number of digits
 constexpr std::size_t kChunk = 1 << 20;     // bytes taken at a time from a stream whose length is unknown
 constexpr std::size_t kMaxQuoted = 60;      // characters of a file that a message repeats
 
@@ -331,8 +331,8 @@ Half to_half(float value) {
   if (size > kInfinite) return {static_cast<std::uint16_t>(sign | 0x7e00 | (size >> 13 & 0x3ff))};
   if (size >= kTooLarge) return {static_cast<std::uint16_t>(sign | 0x7c00)};
   if (size < kLeastNormal) {
-    // Added to 1/2 the least bit of the sum is worth 2^-24, as that of a small Half: the sum rounds as
-    // needed.
+    // Added to 1/2 the least bit of the sum is worth 2^-24, as that of a small Half: the sum rounds
+    // correctly.
     const auto sum = std::bit_cast<std::uint32_t>(std::bit_cast<float>(size) + 0.5F);
     return {static_cast<std::uint16_t>(sign | (sum - std::bit_cast<std::uint32_t>(0.5F)))};
   }

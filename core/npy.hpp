@@ -50,7 +50,7 @@ NpyView view(const NpyArray& array);
 
 /// Reads one array: format versions 1 to 3, little- or big-endian f2, f4, f8, u1, u2, i4, i8.
 /// The header's length is checked against `size_limit` bytes and the length of the stream before memory is
-/// taken. Throws IoError for a stream that ends early or has another content. Leaves the stream behind the
+/// taken. Throws IoError for a stream that ends early or has other content. Leaves the stream after the
 /// array.
 NpyArray read_npy(std::istream& in, std::size_t size_limit = std::size_t{1} << 36);
 

@@ -8,8 +8,8 @@
 
 namespace emberfold::core {
 
-/// Returns what stands before the numbers in the file that write_npy writes, for an array whose numbers are
-/// written elsewhere: `array.data` tells their type alone.
+/// Returns the header that write_npy writes, for an array whose numbers are written elsewhere: `array.data`
+/// gives only their type.
 std::string npy_header(const NpyView& array);
 
 /// Writes the numbers alone, as write_npy does. Throws IoError if the stream fails.

@@ -47,7 +47,7 @@ constexpr OptionRange above(double low, double high = std::numeric_limits<double
 }
 
 /// Describes one field of a struct of options. Checks, error messages, --set, its help, summaries and
-/// Python's docstrings are made of these.
+/// Python's docstrings are generated from these.
 template <class Options>
 struct OptionField {
   const char* name = "";

@@ -38,7 +38,7 @@ class Meeting {
 #endif
 };
 
-/// Does so at the end of a scope, however it ends.
+/// Calls it at the end of a scope, however it ends.
 struct HandOver {
   Meeting& meeting;
   ~HandOver() { meeting.hand_over(); }
@@ -81,7 +81,7 @@ void parallel_stream(std::size_t count, std::size_t at_once, const Context& cont
     std::size_t index;
     bool made;
   };
-  /// Of the item in a slot: from one step to the next, and from an item to the next one in the slot.
+  /// Meetings of the item in a slot: from one step to the next, and from an item to the next one in the slot.
   struct Slot {
     Meeting begun, made, ended;
   };

@@ -75,7 +75,7 @@ std::size_t Rng::categorical(std::span<const double> weights) {
     left -= weights[i];
     last = i;
   }
-  return last;  // rounding carried the draw past the end
+  return last;  // rounding moved the draw past the end
 }
 
 }  // namespace emberfold::core

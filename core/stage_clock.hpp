@@ -18,7 +18,7 @@ class StageClock {
   /// Ends the stage before and begins the next one.
   void begin(std::string name);
   void end();
-  /// Adds stages that were measured elsewhere behind those that have ended.
+  /// Adds stages that were measured elsewhere after those that have ended.
   void add(const std::vector<StageTime>& stages);
   [[nodiscard]] const std::vector<StageTime>& ended() const { return ended_; }
   /// Returns the seconds since the clock was made.

@@ -22,7 +22,7 @@ using detail::Spectrum;
 
 constexpr int kMostLags = 16;  // bounds the order of A, n · lags
 
-/// Sums over all frames, of the first reading.
+/// Sums over all frames, of the first pass.
 struct FrameSums {
   std::vector<Eigen::MatrixXd> grams;  // of all channels, or one a channel
   Eigen::VectorXd mean;                // m
@@ -48,7 +48,7 @@ FrameSums accumulate_gram(FrameBlocks& frame_blocks, std::size_t channels, const
 void make_C(FrameBlocks& frame_blocks, const FrameSums& seen, const Eigen::MatrixXd& weights, bool single,
             LinearDynamicTexture& texture, const core::Context& context) {
   const char* stage = "making components";
-  if (single) frame_blocks.release();  // before C takes its place
+  if (single) frame_blocks.release();  // before C needs its memory
   texture.C = Eigen::MatrixXf::Zero(seen.mean.size(), weights.cols());
   const auto add = [&](std::size_t first, const FrameValues& values) {
     const auto t = static_cast<Eigen::Index>(first), count = static_cast<Eigen::Index>(values.frames.size());

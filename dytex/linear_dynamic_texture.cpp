@@ -143,7 +143,7 @@ Eigen::VectorXd expected_state(const LinearDynamicTexture& texture,
   if (order == n) return shown;
   const Eigen::MatrixXd covariance = stationary_covariance(texture.A, texture.B);
   const detail::SymmetricEigen eigen = detail::symmetric_eigen(covariance.topLeftCorner(n, n));
-  // Directions in which nothing moves tell nothing.
+  // Pseudo-inverse: directions of zero variance are dropped.
   const double least = eigen.values[0] * static_cast<double>(n) * std::numeric_limits<double>::epsilon();
   const Eigen::ArrayXd inverse = (eigen.values.array() > least).select(eigen.values.array().inverse(), 0);
   Eigen::VectorXd state(order);

@@ -12,8 +12,8 @@ namespace emberfold::dytex {
 ///   y(t)   = mean + C diag(weights) x(t)₁…ₙ + w(t),   w ~ N(0, r I), or N(0, diag(noise))
 /// y(t) is a frame as a column of m = width · height · channels values in the order of its memory (row by
 /// row, channels together), on the scale where white is 255. The state x has N ≥ n numbers; a frame shows the
-/// first n. The others are earlier ones (auto-regression of a higher order) or what a filter carries on.
-/// Where frames never change n and N are 0.
+/// first n. The others are earlier ones (auto-regression of a higher order) or a filter's own state. Where
+/// frames never change n and N are 0.
 ///
 /// A model per channel has the same form: every column of C is 0 outside its channel's rows, A is
 /// block-diagonal once ordered by channel, and B couples the channels, which share the noise.
@@ -24,7 +24,7 @@ struct LinearDynamicTexture {
   Eigen::VectorXd weights;  ///< n, of the components: ones until edited
   Eigen::MatrixXd A;        ///< N × N, spectral radius below 1
   Eigen::MatrixXd B;        ///< N × k, k ≤ N; Q = B Bᵀ
-  double r = 0;  ///< variance of what n components leave, levels², ≥ 0; the mean of `noise`, if any
+  double r = 0;  ///< residual variance after n components, levels², ≥ 0; the mean of `noise`, if any
   Eigen::VectorXf noise;      ///< m, that variance value by value, ≥ 0; empty where it is r everywhere
   Eigen::MatrixXd residuals;  ///< k × any number: what v is drawn from, mean 0, covariance I; empty: N(0, I)
   /// j × p, j ≤ k, p ≥ 2: instead, the first j numbers of v are independent, each of the law whose quantiles
@@ -51,13 +51,13 @@ void validate(const LinearDynamicTexture& texture);
 /// is not finite. O(n³).
 double spectral_radius(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
-/// Solves P = A P Aᵀ + B Bᵀ, the covariance of the states in the long run, N × N. By doubling, O(n³) a step,
-/// some log₂(40 / (1 − spectral radius)) steps. NumericalError where A is not stable.
+/// Solves P = A P Aᵀ + B Bᵀ, the stationary covariance of the states, N × N. By doubling, O(n³) a step, some
+/// log₂(40 / (1 − spectral radius)) steps. Throws NumericalError where A is not stable.
 Eigen::MatrixXd stationary_covariance(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                       const Eigen::Ref<const Eigen::MatrixXd>& B);
 
 /// Returns the expected state given its first n numbers, `shown`: P₍·₁₎ P₍₁₁₎⁻¹ times them, P the stationary
-/// covariance. `shown` itself where N = n. InputError where `shown` has not n numbers. O(N³).
+/// covariance. `shown` itself where N = n. Throws InputError where `shown` does not have n numbers. O(N³).
 Eigen::VectorXd expected_state(const LinearDynamicTexture& texture,
                                const Eigen::Ref<const Eigen::VectorXd>& shown);
 

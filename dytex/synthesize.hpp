@@ -18,7 +18,7 @@ struct SynthesisOptions {
   /// A training frame, 0 … τ − 1, whose state is x(0). None: x(0) is drawn from the stationary distribution.
   std::optional<int> first_frame;
   bool pixel_noise = false;  ///< adds w(t) to every value
-  bool from_mean = false;    ///< x(0) = 0: the clip sets out from the mean frame. Not with first_frame
+  bool from_mean = false;    ///< x(0) = 0: the clip starts at the mean frame. Not with first_frame
   /// Frames after which the clip begins again, 1 … 10⁶, without a seam: frame `loop` is frame 0 to the byte,
   /// and the step to it a step like any other. States are drawn from the model on a circle of that length
   /// (the noise's v(0) … v(loop − 1) go round) and scaled so that their covariance is the endless clip's. 0:
@@ -30,8 +30,8 @@ struct SynthesisOptions {
 };
 
 /// An endless clip drawn from a model. Frame t depends on the model, the options and t alone: not on the
-/// number of threads, nor on which vectors the processor has. Frames are made eight at a time, O(m n) each; C
-/// is read once for the eight.
+/// number of threads, nor on the processor's vector instructions. Frames are made eight at a time, O(m n)
+/// each; C is read once for the eight.
 class Synthesis {
  public:
   /// `texture` must outlive the synthesis. InputError where it is not valid or the options are not;
@@ -41,7 +41,7 @@ class Synthesis {
 
   /// Draws the next frame, in memory of its own: CV_8U, of the texture's size and channels, white = 255.
   cv::Mat next();
-  /// Returns the state, N, of the frame that next() gave last; x(0) before the first.
+  /// Returns the state, N, of the last frame of next(); x(0) before the first.
   [[nodiscard]] const Eigen::VectorXd& state() const { return shown_; }
 
  private:

@@ -12,16 +12,16 @@
 
 namespace emberfold::core {
 
-/// Returns the number of frames in a batch: as many as 192 MB of levels hold, 1…16.
+/// Returns the number of frames in a batch: those that fit in 192 MB of levels, 1…16.
 inline std::size_t frames_at_once(int width, int height, int channels) {
   return static_cast<std::size_t>(std::clamp(192e6 / (4.0 * width * height * channels), 1.0, 16.0));
 }
 
-/// Returns the number of frames that are worked on at once: two for each thread of the process, at most
+/// Returns the number of frames processed at once: two for each thread of the process, at most
 /// frames_at_once().
 std::size_t frames_in_work(int width, int height, int channels);
 
-/// Processes a clip in batches of frames_in_work() frames, from its first frame on.
+/// Processes a clip in batches of frames_in_work() frames, starting at its first frame.
 /// Calls before(t, frame) in order, then work(t, frame) in parallel, then take(t, result) in order.
 /// `expected`: number of frames, for the progress only. Returns the number of frames. Throws Cancelled.
 template <class Before, class Work, class Take>

@@ -11,32 +11,31 @@
 
 namespace emberfold::core {
 
-/// Where a picture stands against the clip's first one: a point p of the first, from the middle of the frame,
-/// is seen at scale · R(angle) p + (x, y).
+/// Motion of a picture relative to the clip's first one: a point p of the first, from the middle of the
+/// frame, appears at scale · R(angle) p + (x, y).
 struct CameraMotion {
-  double x = 0, y = 0;  ///< px of the frames as they are stored
+  double x = 0, y = 0;  ///< px of the stored frames
   double scale = 1;
   double angle = 0;  ///< radians, from x to y
 };
 
-/// What a source knows about its frames beside their pixels. A source that knows it is derived from this,
-/// too.
+/// Mask and camera motion of a source's frames. A source that has them also derives from this class.
 class ClipKnowledge {
  public:
   virtual ~ClipKnowledge() = default;
-  /// Returns where structure counts in the frame that was read last: CV_8U, 255 there; empty: everywhere.
+  /// Returns where structure counts in the last frame read: CV_8U, 255 where it counts; empty: everywhere.
   [[nodiscard]] virtual cv::Mat mask() const = 0;
-  /// Returns the motion that was taken out of each frame so far; empty where none was to be.
+  /// Returns the motion removed from each frame so far; empty where none was to be removed.
   [[nodiscard]] virtual std::vector<CameraMotion> drift() const = 0;
 };
 
-/// Returns the mask of the frame that was read last; empty where the source knows of none.
+/// Returns the mask of the last frame read; empty where the source has none.
 cv::Mat mask_of(const FrameSource& source);
-/// Returns the motion that was taken out of the frames that were read; empty where the source took out none.
+/// Returns the motion removed from the frames read so far; empty where the source removed none.
 std::vector<CameraMotion> drift_of(const FrameSource& source);
 
-/// Lets the pixels outside the mask stand still: each keeps the value that it had inside last, at first that
-/// of the first frame. Changes nothing for a source without a mask.
+/// Freezes the pixels outside the mask: each keeps the last value that it had inside, initially that of the
+/// first frame. Changes nothing for a source without a mask.
 class HeldOutside final : public FrameSource, public ClipKnowledge {
  public:
   explicit HeldOutside(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}

@@ -7,17 +7,16 @@
 
 namespace emberfold::core {
 
-/// Passes over frames without handing them out. A source that can do that cheaper than by reading them is
-/// derived from this, too.
+/// Skips frames without returning them. A source that can skip more cheaply than read also derives from this
+/// class.
 class Skipping {
  public:
   virtual ~Skipping() = default;
-  /// Passes over the next `count` frames, or those that there are.
+  /// Skips the next `count` frames, or those that remain.
   virtual void skip(std::int64_t count) = 0;
 };
 
-/// Passes over the next `count` frames of a source, or those that there are; where the source cannot, by
-/// reading them.
+/// Skips the next `count` frames of a source, or those that remain; reads them where the source cannot skip.
 inline void skip_frames(FrameSource& source, std::int64_t count) {
   if (auto* const skipping = dynamic_cast<Skipping*>(&source)) return skipping->skip(count);
   for (; count > 0; --count)

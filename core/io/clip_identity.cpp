@@ -19,8 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Adds evenly spaced samples of a file's content, the head and the tail among them; small files are added
-/// whole.
+/// Adds evenly spaced samples of a file's content, including head and tail; small files are added whole.
 bool add_content(core::Fingerprint& sum, const fs::path& path, std::uintmax_t size) {
   constexpr std::uintmax_t kBlock = std::uintmax_t{1} << 14, kBlocks = 9;  // 144 KiB take below 1 ms
   std::ifstream in(path, std::ios::binary);

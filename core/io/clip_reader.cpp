@@ -29,7 +29,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-/// Images that are the frames of one clip.
+/// Opens images that are the frames of one clip.
 std::unique_ptr<FrameDecoder> open_series(std::vector<fs::path> files, const ReadOptions& options,
                                           const core::Warn& warn) {
   refuse_several_series(files);
@@ -49,7 +49,7 @@ std::unique_ptr<FrameDecoder> open_image(const fs::path& path, const ReadOptions
   return decode_images({path}, options, warn);
 }
 
-/// Refuses a channel of a clip that has one alone. The samples and axes of a TIFF may hold others.
+/// Refuses a channel of a clip that has only one. The samples and axes of a TIFF may hold others.
 void check_channel(const std::string& name, const FrameDecoder& decoder, const ReadOptions& options) {
   if (!options.channel || decoder.info().channels > 1) return;
   if (const fs::path file = first_file(name); is_tiff(file)) {
@@ -60,7 +60,7 @@ void check_channel(const std::string& name, const FrameDecoder& decoder, const R
                          " is asked for, but it is grey and has one channel; leave --channel out");
 }
 
-/// Decodes the copy of what came through a pipe, and calls it by the pipe's name.
+/// Decodes the copy of a pipe's content under the pipe's name.
 class PipedDecoder final : public FrameDecoder {
  private:
   template <class Call>
@@ -138,7 +138,7 @@ std::unique_ptr<core::FrameSource> open_video(const std::string& name, const Rea
                                               const core::Warn& warn) {
   options.validate();
   ReadOptions decoding = options;
-  if (options.channel) decoding.grey = false;  // a colour is taken before
+  if (options.channel) decoding.grey = false;  // the channel is picked from the colours
   auto decoder = open_decoder(name, decoding, warn);
   if (!is_piped(name)) check_channel(name, *decoder, options);
   return transform_clip(name == "-" ? "standard input" : name, std::move(decoder), options, warn);

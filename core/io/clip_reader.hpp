@@ -12,11 +12,11 @@ namespace emberfold::io {
 
 /// Opens a clip: a video, a folder of images, a pattern of images (dir/img_*.png, dir/img_%04d.png; natural
 /// order), a TIFF whose pages are the frames (decode_tiff), one image, or "-" and other pipes (PipedClip).
-/// Frames are read one by one; nothing but the frame at hand is kept. `info().frames` is what is known
-/// without reading: for a video the container's claim, until the end was reached once. Shrinking averages
-/// areas, growing is bicubic. core::IoError where the file cannot be read as a clip; core::InputError where
-/// the options are wrong or the range begins behind the last frame. A range that ends behind it is cut, with
-/// a warning.
+/// Frames are read one by one; only the current one is kept. `info().frames` is the number known without
+/// reading: for a video the container's claim, until the end was reached once. Shrinking averages areas,
+/// growing is bicubic. Throws core::IoError where the file cannot be read as a clip; core::InputError where
+/// the options are wrong or the range begins after the last frame. A range that ends after it is cut, with a
+/// warning.
 std::unique_ptr<core::FrameSource> open_video(const std::string& name, const ReadOptions& options = {},
                                               const core::Warn& warn = {});
 

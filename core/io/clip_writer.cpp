@@ -28,7 +28,7 @@ std::unique_ptr<VideoWriter> create_video(const fs::path& path, cv::Size size, d
   if (size.width < 1 || size.width > 16384) refuse(size.width, "a clip's width", "1 to 16384 pixels");
   if (size.height < 1 || size.height > 16384) refuse(size.height, "a clip's height", "1 to 16384 pixels");
   if (!(fps > 0 && fps <= 1e6)) refuse(fps, "a clip's frame rate", "above 0, at most 1e6 a second");
-  if (fps < 1 || fps > 1000) fps = 25;  // players show a slide show of it, or nothing
+  if (fps < 1 || fps > 1000) fps = 25;  // players would show a slide show or nothing
   if (path.empty()) throw core::InputError("the name of the clip to write is empty");
 
   const auto sequence = sequence_name(path);

@@ -28,7 +28,7 @@ std::span<const std::size_t> row_of(std::span<const std::size_t> shape) {
   return shape.empty() ? shape : shape.subspan(1);
 }
 
-/// Reads what a folder of columns tells of itself; null where it is none. Its key is a text.
+/// Reads the description of a folder of columns; null where it is none. Its key is a text.
 nlohmann::json read_about(const fs::path& folder) {
   std::ifstream in(folder / kAbout, std::ios::binary);
   auto about = nlohmann::json::parse(in, nullptr, false);
@@ -59,7 +59,7 @@ void ColumnWriter::write(const std::string& name, std::ofstream& file, const Wri
     if (!file.is_open()) file.open(part_ / name, std::ios::binary | std::ios::trunc);
     if (file) body(file);
   } catch (const core::IoError&) {
-    file.setstate(std::ios::failbit);  // told with the file's name and the system's reason
+    file.setstate(std::ios::failbit);  // reported with the file's name and the system's reason
   }
   if (!file)
     throw core::IoError("cannot write " + (folder_ / name).string() + ": " +
@@ -91,7 +91,7 @@ void ColumnWriter::finish(const std::string& key, const std::string& text) {
   for (auto& [name, column] : columns_) {
     about["columns"].push_back(name);
     write(name + ".npy", column.file, [&column = column](std::ofstream& out) {
-      out.seekp(0);  // the number of rows is known now; there was room left for it
+      out.seekp(0);  // the number of rows is known only now; room was left for it
       out << core::npy_header(column.whole);
       out.close();
     });

@@ -12,15 +12,15 @@
 
 namespace emberfold::io {
 
-/// Arrays of a table, a .npy file each, and what they were made from.
+/// Arrays of a table, one .npy file each, and what they were made from.
 struct Columns {
   std::string key;   ///< hash of the inputs and options
-  std::string text;  ///< JSON of what is no array; may be empty
+  std::string text;  ///< JSON of everything that is not an array; may be empty
   std::map<std::string, core::NpyArray> arrays;
 };
 
-/// Writes columns.json and NAME.npy for each array into a folder, some rows after the others. The folder
-/// appears whole or not at all: a killed process leaves the one before. Throws core::IoError.
+/// Writes columns.json and NAME.npy for each array into a folder, in batches of rows. The folder appears
+/// whole or not at all: a killed process leaves the previous one. Throws core::IoError.
 class ColumnWriter {
  public:
   explicit ColumnWriter(std::filesystem::path folder);
@@ -28,10 +28,10 @@ class ColumnWriter {
   ColumnWriter(const ColumnWriter&) = delete;
   ColumnWriter& operator=(const ColumnWriter&) = delete;
 
-  /// Appends to each of these arrays, along the first axis. All that has one name has rows of one shape and
-  /// type; throws core::InputError otherwise.
+  /// Appends rows to each of these arrays, along the first axis. Throws core::InputError unless all rows of a
+  /// name have one shape and type.
   void append(const std::map<std::string, core::NpyArray>& arrays);
-  /// Puts the folder into place, as read_columns finds it.
+  /// Puts the folder into place, where read_columns finds it.
   void finish(const std::string& key, const std::string& text);
 
  private:
@@ -49,8 +49,8 @@ class ColumnWriter {
 /// Writes columns as ColumnWriter does.
 void write_columns(const std::filesystem::path& folder, const Columns& columns);
 
-/// Reads a folder that write_columns wrote with this key. Nothing where there is none, its key is another, or
-/// a file of it is damaged: then it has to be made again.
+/// Reads a folder that write_columns wrote with this key. Returns nothing where there is none, its key
+/// differs or one of its files is damaged: it must then be made again.
 std::optional<Columns> read_columns(const std::filesystem::path& folder, const std::string& key);
 /// Returns the key with which a folder was written; nothing where write_columns did not write it.
 std::optional<std::string> read_column_key(const std::filesystem::path& folder);

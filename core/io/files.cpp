@@ -66,7 +66,7 @@ void StagedFile::write(const std::function<void(std::ostream&)>& body) const {
   try {
     body(stream);
   } catch (const core::IoError&) {
-    if (!stream) stopped();  // a writer knows neither the file nor the reason
+    if (!stream) stopped();  // the writer does not know the file or the reason
     throw;
   }
   stream.close();

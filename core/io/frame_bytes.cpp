@@ -17,7 +17,7 @@ constexpr int kQuality = 95;
 }  // namespace
 
 std::vector<std::uint8_t> encode_frame(const cv::Mat& frame) {
-  // The planes stand below each other in a grey picture: JPEG would halve the resolution of colours.
+  // The planes are stacked in one grey picture: JPEG would halve the resolution of colours.
   cv::Mat stacked = frame;
   if (frame.channels() == 3) {
     cv::Mat turned;

@@ -40,7 +40,7 @@ std::string_view without_zeros(std::string_view digits) {
   return first == std::string_view::npos ? digits.substr(digits.size()) : digits.substr(first);
 }
 
-/// True if printf would have written exactly `digits` for `number`.
+/// Returns whether printf would write exactly `digits` for `number`.
 bool prints_as(std::string_view digits, const PatternNumber& number) {
   if (digits.empty()) return false;
   const std::size_t least = std::max<std::size_t>(number.digits, 1);
@@ -90,8 +90,8 @@ bool is_png(const Bytes& bytes) {
   return bytes.size() >= 29 && std::equal(signature.begin(), signature.end(), bytes.begin());
 }
 
-/// Damage of a PNG or JPEG, in words; empty for a sound file. The decoders would return the missing part as
-/// grey or noise, or print a line of their own.
+/// Describes the damage of a PNG or JPEG; empty for a sound file. The decoders would return the missing part
+/// as grey or noise, or print a line of their own.
 std::string damage(const Bytes& bytes) {
   if (is_png(bytes)) {
     for (std::size_t at = 8; at + 12 <= bytes.size();) {
@@ -120,7 +120,7 @@ cv::Mat decode(const fs::path& path, const Bytes& bytes, int flags) {
   try {
     image = cv::imdecode(bytes, flags);
   } catch (const cv::Exception&) {
-    image.release();  // a size beyond what the decoder takes, or a header that contradicts itself
+    image.release();  // larger than the decoder allows, or a header that contradicts itself
   }
   if (image.empty()) fail_image(path, "it is no image that OpenCV can decode");
   return image;
@@ -170,7 +170,7 @@ bool natural_less(std::string_view a, std::string_view b) {
     }
   }
   if (i < a.size() || j < b.size()) return j < b.size();
-  return a < b;  // 02 and 2: an order all the same
+  return a < b;  // 02 and 2 are equal as numbers but need an order
 }
 
 bool is_image_name(const fs::path& path) {
@@ -192,7 +192,7 @@ bool is_pattern(const fs::path& path) {
 }
 
 bool fits_pattern(std::string_view pattern, std::string_view name) {
-  // One row of the usual table: reach[i] tells whether the pattern so far can end before name[i].
+  // One row of the usual table: reach[i] is whether the pattern so far can end before name[i].
   std::vector<bool> reach(name.size() + 1, false);
   reach[0] = true;
   while (!pattern.empty()) {
@@ -246,7 +246,7 @@ ImageFile read_image(const fs::path& path, std::optional<int> channel) {
   if (const std::string what = damage(bytes); !what.empty()) fail_image(path, what);
 
   // Asking for any colour drops alpha and honours EXIF orientation; asking for the pixels unchanged shows the
-  // alpha but not the orientation. A PNG tells in its header, which spares the second decoding.
+  // alpha but not the orientation. A PNG's header shows its alpha, which saves the second decoding.
   ImageFile image{decode(path, bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR)};
   const int png_colour = is_png(bytes) ? bytes[25] : -1;
   const bool may_hide_alpha = png_colour < 0 && image.pixels.channels() == 3 && bytes[0] != 0xFF;

@@ -20,7 +20,7 @@ namespace emberfold::io {
 
 namespace {
 
-// The file grows by as much as it holds, within these bounds: small runs take little of the disk.
+// The file grows by its own size, within these bounds: small runs take little of the disk.
 constexpr std::size_t kLeastGrowth = std::size_t{1} << 20, kMostGrowth = std::size_t{64} << 20;
 
 }  // namespace
@@ -102,7 +102,7 @@ void MappedMemory::map(std::size_t bytes) {
     ::unlink(name.c_str());
   }
   const std::size_t length = std::max(bytes, std::clamp(end_, kLeastGrowth, kMostGrowth));
-  // Room is taken now: a page that finds none later would end the program.
+  // Space is reserved now: a page that finds none later would end the program.
   const int reason = ::posix_fallocate(file_, static_cast<off_t>(end_), static_cast<off_t>(length));
   if (reason != 0) fail(reason);
   void* const address =

@@ -11,10 +11,10 @@
 
 namespace emberfold::io {
 
-/// Allocates memory in a file that is mapped into the address space, in whole pages: for what is large, is
-/// kept long and is seldom looked at. The system writes it to the disk where memory is scarce. The file has
-/// no name and vanishes with this object, however the program ends. What is given back is used again.
-/// Thread-safe. Allocation throws core::IoError where the disk is full. O(runs of pages that are free).
+/// Allocates memory in a file that is mapped into the address space, in whole pages: for data that is large,
+/// long-lived and seldom accessed. The system writes it to the disk where memory is scarce. The file has no
+/// name and vanishes with this object, however the program ends. Freed memory is used again. Thread-safe.
+/// Allocation throws core::IoError where the disk is full. O(free runs of pages).
 class MappedMemory : public std::pmr::memory_resource {
  public:
   /// Puts the file into `folder` once it is needed.
@@ -41,7 +41,7 @@ class MappedMemory : public std::pmr::memory_resource {
   std::size_t page_ = 4096, end_ = 0, used_ = 0;
   int file_ = -1;
   mutable std::mutex access_;
-  std::map<std::byte*, std::size_t> free_;  // runs of pages, no two of which touch
+  std::map<std::byte*, std::size_t> free_;  // runs of pages, no two adjacent
   std::vector<std::pair<void*, std::size_t>> maps_;
 };
 

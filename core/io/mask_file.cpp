@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kLabelShare = 0.25;  // of white: half of a brightest value below it would drop labels
+constexpr double kLabelShare = 0.25;  // of white: half of a smaller brightest value would drop labels
 
 double brightest_of(const cv::Mat& values) {
   double max = 0;

@@ -15,19 +15,19 @@ namespace emberfold::io {
 /// become white. Throws core::IoError where it cannot be read.
 cv::Mat read_mask(const std::string& path);
 
-/// Reads where a mask counts from an image: CV_8U, 255 there, 0 elsewhere (MaskSource). Throws core::IoError
-/// where it cannot be read.
+/// Reads from an image where a mask counts: CV_8U, 255 where it does, 0 elsewhere (MaskSource). Throws
+/// core::IoError where it cannot be read.
 cv::Mat read_inside(const std::string& path);
 
 /// Returns whether the file's compression (JPEG, videos) may change a 0 into small values.
 bool is_lossy_mask(const std::string& path);
 
-/// Hands out where the values of a mask count, CV_8U, one channel, 255 there: where they are finite and not
-/// 0, so that masks of 0 and 1, of 0 and 255, and of labels do alike. In lossy masks a pixel counts above
-/// half of the brightest value so far, unless that value is small enough to be a label.
+/// Returns where the values of a mask count, CV_8U, one channel: 255 where they are finite and not 0, so that
+/// masks of 0 and 1, of 0 and 255, and of labels work alike. In lossy masks a pixel counts above half of the
+/// brightest value so far, unless that value is small enough to be a label.
 class MaskSource final : public core::FrameSource {
  public:
-  /// `values`: one channel. `is_lossy`: values may differ a little from those that were meant.
+  /// `values`: one channel. `is_lossy`: values may differ a little from those intended.
   MaskSource(std::unique_ptr<core::FrameSource> values, bool is_lossy);
   [[nodiscard]] const core::ClipInfo& info() const override { return info_; }
   cv::Mat next() override;

@@ -21,13 +21,13 @@ constexpr const char* kText = "model.json";
 constexpr std::size_t kMostArrays = 256;
 constexpr std::string_view kFamily = "emberfold.";
 
-/// Tells whether a folder below a model's is a part of it.
+/// Returns whether a folder below a model's is a part of it.
 bool is_part(const fs::path& path) {
   std::error_code ignored;
   return fs::is_directory(path, ignored) && fs::is_regular_file(path / kText, ignored);
 }
 
-// The files of a model, its parts and those that stand with it.
+// Returns whether a file belongs to a model or its parts.
 bool belongs_to_model(const fs::path& file) {
   const auto name = file.filename().string();
   return is_part(file) || name == kText || name == "summary.json" || name == "components.png" ||
@@ -47,7 +47,7 @@ std::vector<fs::path> entries(const fs::path& folder) {
 const fs::path& checked_place(const fs::path& folder) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) return folder;
-  // Names that begin with .emberfold- are staging places of runs that go on, or were killed.
+  // Names that begin with .emberfold- are staging places of runs in progress, or killed.
   const auto there = entries(folder);
   const auto stranger = std::ranges::find_if(there, [](const fs::path& file) {
     return !belongs_to_model(file) && !file.filename().string().starts_with(".emberfold-");
@@ -68,7 +68,7 @@ bool holds_images(const fs::path& folder) {
   return false;
 }
 
-// Says what a path is that has no model.json.
+// Throws an error that says what a path without model.json is.
 [[noreturn]] void refuse(const fs::path& path, std::string_view format) {
   const std::string name = path.string();
   const auto clip = [&] {
@@ -113,7 +113,7 @@ std::string read_text(const fs::path& file, std::size_t limit) {
   return text;
 }
 
-// The format that the text tells; IoError (no prefix) where it tells none.
+// Returns the format named in the text; IoError (no prefix) where there is none.
 std::string format_of(const std::string& text) {
   const auto json = core::parse_json(text);
   const auto format = json.is_object() ? json.find("format") : json.end();
@@ -159,7 +159,7 @@ void write_model(OutputFolder& output, const std::string& name, const core::Mode
       try {
         core::write_npy_view(out, values);
       } catch (const core::IoError&) {
-        out.setstate(std::ios::failbit);  // told with the file's name and the system's reason
+        out.setstate(std::ios::failbit);  // reported with the file's name and the system's reason
       }
     });
 }
@@ -180,7 +180,7 @@ void ModelFolder::commit() {
 
 namespace {
 
-/// Reads the arrays of a folder; `left`: bytes that they may still take.
+/// Reads the arrays of a folder; `left`: bytes that they may take.
 std::map<std::string, core::NpyArray> read_arrays(const fs::path& folder, std::size_t limit,
                                                   std::size_t& left) {
   std::vector<fs::path> files;
@@ -189,7 +189,7 @@ std::map<std::string, core::NpyArray> read_arrays(const fs::path& folder, std::s
     std::error_code error;
     const auto bytes = fs::file_size(path, error);
     if (error) throw core::IoError("cannot read " + path.string() + ": " + error.message());
-    // Counted one by one, as a sum of sizes may leave its type.
+    // Counted one by one, as a sum of sizes may overflow.
     if (bytes > left || files.size() == kMostArrays)
       throw core::IoError(folder.string() + ": its arrays are more than " + std::to_string(limit) +
                           " bytes or " + std::to_string(kMostArrays) +
@@ -240,7 +240,7 @@ std::optional<std::string> model_format(const fs::path& folder) {
   try {
     const auto format = format_of(read_text(file, ModelLimits{}.text));
     if (format.starts_with(kFamily)) return format;
-  } catch (const core::IoError&) {  // then it is none
+  } catch (const core::IoError&) {  // the folder then names no format
   }
   return std::nullopt;
 }

@@ -17,20 +17,21 @@ constexpr std::string_view kTextureFormat = "emberfold.linear_dynamic_texture";
 constexpr std::string_view kDictionaryFormat = "emberfold.dictionary";
 constexpr std::string_view kMotionFormat = "emberfold.motion_model";
 
-/// Writes model.json and NAME.npy for every array into the folder `name` of an output, made where it is not
-/// there; "" is the output's own. Throws core::IoError where something cannot be written.
+/// Writes model.json and NAME.npy for every array into the folder `name` of an output, created if absent; ""
+/// is the output's own. Throws core::IoError where something cannot be written.
 void write_model(OutputFolder& output, const std::string& name, const core::ModelArchive& archive);
 void write_model(OutputFolder& output, const std::string& name, const core::ModelView& model);
 
-/// Writes a model into its own folder, made where it is not there, all files at once; an older model there is
-/// replaced. core::IoError where the folder holds other things than a model, or something cannot be written.
+/// Writes a model into its own folder, created if absent, all files at once; an older model there is
+/// replaced. Throws core::IoError where the folder holds anything but a model, or something cannot be
+/// written.
 void write_model(const std::filesystem::path& folder, const core::ModelArchive& archive);
 
-/// Writes a model into a folder of its own. Beside the model it may hold a summary.json, a components.png and
-/// a compression.png.
+/// Writes a model into a folder of its own. Besides the model it may hold a summary.json, a components.png
+/// and a compression.png.
 class ModelFolder {
  public:
-  /// Throws core::IoError where the folder cannot be made, or holds other things than a model.
+  /// Throws core::IoError where the folder cannot be made, or holds anything but a model.
   explicit ModelFolder(const std::filesystem::path& folder);
 
   [[nodiscard]] OutputFolder& output() { return output_; }
@@ -47,9 +48,9 @@ struct ModelLimits {
   bool parts = true;                          ///< read the models in folders below, too
 };
 
-/// Reads the model in a folder. Throws core::IoError, on one line and naming the file: there is
-/// none, it is a clip, it is a model of another format (with the command that takes it), it is larger than
-/// the limits, it is cut off or holds something else than its names promise.
+/// Reads the model in a folder. Throws core::IoError, on one line and naming the file: there is none, it is a
+/// clip, it is a model of another format (with the command that takes it), it is larger than the limits, it
+/// is cut off or its content is not what its names promise.
 core::ModelArchive read_model(const std::filesystem::path& folder, std::string_view format,
                               const ModelLimits& limits = {});
 

@@ -22,7 +22,7 @@ namespace {
   throw core::InputError("\"" + text + "\" is no " + expected);
 }
 
-/// As it was given, also where it is no number.
+/// Formats a value as it was given, also one that is not a number.
 std::string text_of(double value) {
   std::array<char, 32> text{};
   const auto result = std::to_chars(text.data(), text.data() + text.size(), value);

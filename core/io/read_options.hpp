@@ -11,13 +11,13 @@
 
 namespace emberfold::io {
 
-/// Says which values of a clip of 16 bits or floats are black and white.
+/// Selects which values of a clip of 16 bits or floats are black and white.
 struct Levels {
   enum class Kind {
     used,    ///< black is 0, white the largest number of the bits that the brightest value needs; other
              ///< ranges where that would hide the picture (find_levels)
     full,    ///< all that the format holds: 0…65535; of floats from the smallest to the largest value
-    given,   ///< from `low` to `high`, for 8 bits too; what is outside becomes black or white
+    given,   ///< from `low` to `high`, for 8 bits too; values outside become black or white
     stored,  ///< as `used`, but no value is ever moved or cut: masks, probabilities
   };
   Kind kind = Kind::used;
@@ -29,11 +29,11 @@ struct Region {
   int x = 0, y = 0, width = 0, height = 0;  ///< px; x, y ≥ 0, width, height ≥ 1
 };
 
-/// Says which motion of the whole picture is removed.
+/// Selects which motion of the whole picture is removed.
 enum class Stabilize { none, translation, similarity };
 
-/// What of a clip is read, and how. The order: slice and channel, levels, range, every, stabilize, region,
-/// grey, scale.
+/// Options for which part of a clip is read, and how. Applied in the order slice and channel, levels, range,
+/// every, stabilize, region, grey, scale.
 struct ReadOptions {
   std::int64_t first = 0;            ///< first frame as stored, from 0
   std::optional<std::int64_t> last;  ///< one past the last frame, > first; none: to the end
@@ -44,15 +44,15 @@ struct ReadOptions {
   std::optional<int> slice;          ///< ≥ 0: of a stack in depth
   bool brightest_slice = false;      ///< the brightest value of all slices instead
   Levels levels;
-  std::optional<double> fps;         ///< frames a second as they were taken, (0, 1e6]
+  std::optional<double> fps;         ///< acquisition rate, frames a second, (0, 1e6]
   std::optional<double> pixel_size;  ///< side of a stored pixel, µm, (0, 1e9]
-  int every = 1;  ///< 1…1000000: of the range take its first frame and every n-th from there
+  int every = 1;  ///< 1…1000000: takes the first frame of the range and every n-th from there
   std::optional<Region> region;
   std::string mask;  ///< image or clip, as large as the clip as stored: structure counts where it is not 0
   Stabilize stabilize = Stabilize::none;
   bool counts_from_part = false;  ///< positions and times: from `first` and `region`, not from the source
 
-  /// Returns what checks and help say of the field that is a plain number.
+  /// Returns the description of the plain numeric field, for checks and help.
   static auto fields() {
     using core::above;
     return std::to_array<core::OptionField<ReadOptions>>({
@@ -60,10 +60,10 @@ struct ReadOptions {
          "Resize the frames by this factor; at least 1 px remains"},
     });
   }
-  /// core::InputError naming field, value and range.
+  /// Throws core::InputError naming field, value and range.
   void validate() const;
-  /// Returns the options for another clip that lies beside this one, pixel by pixel and frame by frame: a
-  /// mask, or what was found in it. Its values are taken as they are.
+  /// Returns the options for another clip aligned with this one, pixel by pixel and frame by frame: a mask,
+  /// or what was found in it. Its values are read unchanged.
   [[nodiscard]] ReadOptions beside() const;
 };
 

@@ -27,7 +27,7 @@ struct FoundFile {
   bool is_folder = false;
 };
 
-/// Follows links; nothing for what is neither a file nor a folder.
+/// Finds a file or folder, following links; nothing for anything else.
 std::optional<FoundFile> find_file(const fs::path& path) {
   struct stat found {};
   if (::stat(path.c_str(), &found) != 0) return std::nullopt;
@@ -118,7 +118,7 @@ void check_replaced(const Inputs& inputs, const fs::path& output, const fs::path
   check_contents(inputs, output, path);
 }
 
-/// The path as the system resolves it, and as it is spelled: a writer may take either.
+/// Returns the path as the system resolves it, and as it is spelled: a writer may use either.
 std::set<fs::path> spellings(const fs::path& path) {
   std::error_code error;
   fs::path normal = fs::absolute(path, error).lexically_normal();
@@ -126,7 +126,7 @@ std::set<fs::path> spellings(const fs::path& path) {
   return {path.has_filename() ? path : path.parent_path(), normal};
 }
 
-/// True if an image of this name belongs to the folder or pattern that is read.
+/// Returns whether an image of this name belongs to the folder or pattern that is read.
 bool joins(const fs::path& input, const fs::path& image) {
   std::error_code error;
   return fs::is_directory(input, error) || fits_pattern(input.filename().string(), image.filename().string());

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view kHead = ".emberfold-", kMark = ".part";
 
-/// The machine's name, of letters and digits alone.
+/// Returns the machine's name, letters and digits only.
 const std::string& host() {
   static const std::string name = [] {
     std::array<char, 256> text{};

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// True where one of the files that tell of a result begins as emberfold writes it.
+/// Returns whether one of the files that describe a result begins as emberfold writes it.
 bool is_own_folder(const fs::path& folder) {
   for (const char* name : {"summary.json", "model.json", "matrix.json", "stages/sketch/columns.json",
                            "stages/run/columns.json"}) {
@@ -79,7 +79,7 @@ void OutputFolder::write(const std::string& name, const std::function<void(std::
   try {
     body(stream);
   } catch (const core::IoError&) {
-    if (!stream) fail();  // a writer knows neither the file nor the reason
+    if (!stream) fail();  // the writer does not know the file or the reason
     throw;
   }
   stream.close();

@@ -12,20 +12,20 @@
 
 namespace emberfold::io {
 
-/// Says which files an output folder may replace.
+/// Selects which files an output folder may replace.
 enum class Existing {
   own,  ///< those in a folder that emberfold made: whose summary.json, model.json or stages are its own
   all,
 };
 
-/// Throws OverwriteError that names the first of these files and folders that is there already, unless the
+/// Throws OverwriteError that names the first of these files and folders that already exists, unless the
 /// folder is one that emberfold made.
 void require_own(const std::filesystem::path& folder, const std::vector<std::string>& names);
 
-/// Writes files that appear in a folder all together or not at all. They are written into a hidden folder
-/// inside it, which no other process has; commit() moves them. Without commit() they are removed, and the
-/// folder too if it was made here. Throws core::IoError, with the final path and the system's reason, where
-/// something cannot be written, or another process writes into the folder (FolderLock).
+/// Writes files that appear in a folder all together or not at all. They are staged in a hidden folder inside
+/// it that no other process uses; commit() moves them. Without commit() they are removed, and the folder too
+/// if it was made here. Throws core::IoError, with the final path and the system's reason, where something
+/// cannot be written, or another process writes into the folder (FolderLock).
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path folder, Existing existing = Existing::own);
@@ -43,7 +43,7 @@ class OutputFolder {
   /// Replaces the names of staged files in a message by their final ones.
   [[nodiscard]] std::string with_final_name(std::string message) const;
   /// Puts everything in place; a file or folder of the same name is replaced. Throws OverwriteError, with
-  /// nothing replaced, where that is a protected input, or not to be replaced.
+  /// nothing replaced, where that is a protected input, or must not be replaced.
   void commit();
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
 
@@ -51,7 +51,7 @@ class OutputFolder {
   std::filesystem::path folder_, stage_;
   FolderLock lock_;
   Existing existing_;
-  std::vector<std::filesystem::path> made_;  // folders that were not there, the innermost first
+  std::vector<std::filesystem::path> made_;  // folders that did not exist, the innermost first
   std::vector<std::string> inputs_;
   bool committed_ = false;
 };

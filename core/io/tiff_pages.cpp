@@ -59,7 +59,7 @@ std::uint64_t type_bytes(std::uint64_t type) {
   }
 }
 
-/// The file ends before what is read.
+/// Reports that the file ends too early.
 struct CutOff : core::IoError {
   using IoError::IoError;
 };
@@ -102,7 +102,7 @@ class TiffReader {
 
  private:
   struct Entry {
-    std::uint64_t tag = 0, type = 0, count = 0, at = 0;  ///< at: where its values lie
+    std::uint64_t tag = 0, type = 0, count = 0, at = 0;  ///< at: position of its values
   };
 
   [[noreturn]] void fail(const std::string& reason) const {
@@ -186,7 +186,7 @@ class TiffReader {
                 at + 4 + count_bytes};
     const std::uint64_t each = type_bytes(found.type);
     if (each > 0 && found.count > size_ / each) fail_cut();
-    if (each * found.count > count_bytes) found.at = number_at(found.at, count_bytes);  // they lie elsewhere
+    if (each * found.count > count_bytes) found.at = number_at(found.at, count_bytes);  // stored elsewhere
     return found;
   }
 
@@ -207,7 +207,7 @@ class TiffReader {
     return found;
   }
 
-  /// A whole number above another; 0 where there is none.
+  /// Returns a whole number divided by another; 0 where there is none.
   double ratio(const Entry& entry) {
     if (entry.type != kRatio || entry.count == 0) return 0;
     const auto all = bytes(entry.at, 8);
@@ -215,8 +215,8 @@ class TiffReader {
     return below > 0 ? static_cast<double>(number(std::span(all).first(4))) / below : 0;
   }
 
-  /// Times of the pictures of a MetaMorph stack: six numbers each, of which the third is the day and the
-  /// fourth the ms of that day; nothing where the file ends before.
+  /// Returns the times of the pictures of a MetaMorph stack: six numbers each, of which the third is the day
+  /// and the fourth the ms of that day; nothing where the file ends too early.
   std::vector<double> stack_times(const Entry& entry) {
     constexpr std::uint64_t kPicture = 24, kDay = 8, kMs = 12;  // bytes
     if (entry.at > size_ || entry.count > (size_ - entry.at) / kPicture) return {};
@@ -264,7 +264,7 @@ class TiffReader {
       if (const double down = ratio(entry); down > 0) page.aspect = down / page.pixels_a_unit;
   }
 
-  /// Returns the number of pages that the first head plans, by its description or by the room up to the
+  /// Returns the number of pages that the first head declares, by its description or by the room up to the
   /// heads that come last; 0: unknown.
   [[nodiscard]] std::uint64_t planned_pages(const TiffPage& first) const {
     if (first.stacked > 1) return first.stacked;
@@ -273,7 +273,7 @@ class TiffReader {
     return first.compression == 1 && first.stored_bytes > 0 ? (link_ - first.offset) / first.stored_bytes : 0;
   }
 
-  /// Lists the pictures behind the first page that have no heads: of a MetaMorph stack; of ImageJ's large
+  /// Lists the pictures after the first page that have no heads: of a MetaMorph stack; of ImageJ's large
   /// stacks; where the file ends before the heads, which some programs write last.
   void add_raw_pages(std::vector<TiffPage>& pages) {
     const TiffPage first = pages.front();
@@ -298,8 +298,7 @@ class TiffReader {
     }
   }
 
-  /// A short stack that was written without saying what it is looks like one picture in colour, whose planes
-  /// the head lists as pages.
+  /// Turns planes that the head lists as pages into pages: a short stack looks like one picture in colour.
   void spread_planes(std::vector<TiffPage>& pages) const {
     const TiffPage first = pages.front();
     if (pages.size() != 1 || first.planes != 2 || first.samples < 2 || first.photometric != 2) return;
@@ -341,7 +340,7 @@ class TiffReader {
   fs::path path_;
   const core::Warn& warn_;
   std::ifstream in_;
-  std::uint64_t size_ = 0, link_ = 0;  ///< link_: to a head behind the file's end
+  std::uint64_t size_ = 0, link_ = 0;  ///< link_: to a head after the file's end
   bool little_ = true, big_ = false, is_first_ = true, chain_is_cut_ = false, description_is_lost_ = false;
 };
 

@@ -15,7 +15,7 @@ namespace emberfold::io {
 struct TiffPage {
   int index = 0;                        ///< in the list of pages, from 0
   std::uint64_t width = 0, height = 0;  ///< px
-  std::uint64_t bits = 1, samples = 1;  ///< a value; values a pixel
+  std::uint64_t bits = 1, samples = 1;  ///< bits a value; values a pixel
   std::uint64_t format = 1;             ///< 1: whole numbers, 2: signed ones, 3: floating point
   std::uint64_t compression = 1;        ///< 1: none
   std::uint64_t photometric = 1;     ///< 0: grey, white is 0; 1: grey; 2: RGB; 3: palette; others: TIFF 6.0
@@ -29,7 +29,7 @@ struct TiffPage {
   std::vector<double> times;         ///< of these pictures, s; empty: unknown
   std::vector<std::uint64_t> extra;  ///< of the last samples: 1, 2: alpha, 0: unknown
   std::optional<int> sample;         ///< the only one to be read; none: all that make the picture
-  std::optional<double> white;       ///< where 0 is white: what becomes 0; none: all that the bits hold, 1
+  std::optional<double> white;       ///< where 0 is white: value that becomes 0; none: the bits' maximum, 1
   bool little_endian = true;         ///< order of the bytes of its values
   bool raw = false;                  ///< it has no head of its own: its pixels are at `offset`, row after row
   std::string description;           ///< of the first page alone
@@ -41,9 +41,9 @@ struct TiffPage {
 /// Returns whether the file begins as a TIFF (classic or BigTIFF, either byte order).
 bool is_tiff(const std::filesystem::path& path);
 
-/// Reads the heads of all pages in their order; at least one. Lists pages without heads, too: those of large
+/// Reads the heads of all pages in their order; at least one. Also lists pages without heads: those of large
 /// ImageJ stacks and of MetaMorph stacks, and planes that the head lists as pages. Warns where the file ends
-/// early, and leaves out what is not whole. Reads no pixels. Throws core::IoError that names the file: it
+/// early, and leaves out incomplete pages. Reads no pixels. Throws core::IoError that names the file: it
 /// cannot be read, holds no whole page or is damaged.
 std::vector<TiffPage> read_tiff_pages(const std::filesystem::path& path, const core::Warn& warn = {});
 

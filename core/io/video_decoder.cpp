@@ -50,7 +50,7 @@ void report(const core::Warn& warn, const std::string& line) {
   if (warn) warn(line);
 }
 
-/// The stored kind of pixel, and the kind that it is handed out as.
+/// Pixel format as stored, and as returned.
 struct PixelKind {
   AVPixelFormat stored = AV_PIX_FMT_NONE;
   bool grey = false, deep = false, full_range = false;
@@ -99,7 +99,7 @@ double ratio(AVRational value) {
   return value.num > 0 && value.den > 0 ? av_q2d(value) : 0;
 }
 
-/// Frames of one stream in the order in which they are shown.
+/// Frames of one stream in display order.
 class FrameStream {
  public:
   /// Throws core::IoError.
@@ -130,7 +130,7 @@ class FrameStream {
   [[nodiscard]] const AVStream& stream() const { return *stream_; }
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
 
-  /// Goes to the next frame; false after the last. Packets that are damaged are passed over.
+  /// Moves to the next frame; false after the last. Skips damaged packets.
   bool advance() {
     while (true) {
       const int got = avcodec_receive_frame(codec_.get(), frame_.get());
@@ -140,8 +140,8 @@ class FrameStream {
     }
   }
 
-  /// Returns the times of the stream's next packets that are to be shown, s, at most `count`, ascending;
-  /// nothing where one has no time.
+  /// Returns the times of the stream's next packets to be shown, s, at most `count`, ascending; nothing where
+  /// one has no time.
   std::vector<double> packet_times(std::size_t count) {
     std::vector<double> times;
     for (; times.size() < count && av_read_frame(container_.get(), packet_.get()) >= 0;
@@ -168,7 +168,7 @@ class FrameStream {
     return std::ranges::is_sorted(times) ? times : std::vector<double>();
   }
 
-  /// Returns whether times, s, are those of the stream's rate, as far as its ticks and a rounded rate allow.
+  /// Returns whether times, s, match the stream's rate, as far as its ticks and a rounded rate allow.
   [[nodiscard]] bool are_even(const std::vector<double>& times) const {
     constexpr double kExact = 1e-3, kOfInterval = 0.01, kOfRate = 1e-4;  // ticks; shares
     const double interval = 1 / rate(), ticks = interval / tick();
@@ -181,7 +181,7 @@ class FrameStream {
     return true;
   }
 
-  /// Width to height of a pixel, as the frame or else the container has it; 0:1 where neither does.
+  /// Returns width to height of a pixel, from the frame or else the container; 0:1 where neither has it.
   [[nodiscard]] AVRational pixel_aspect() const {
     return av_guess_sample_aspect_ratio(container_.get(), stream_, frame_.get());
   }
@@ -192,7 +192,7 @@ class FrameStream {
     return 0;
   }
 
-  /// The number of frames that the container claims, less those that it says not to show.
+  /// Returns the number of frames that the container claims, less those marked as not shown.
   [[nodiscard]] std::optional<std::int64_t> claimed() const {
     std::int64_t frames = stream_->nb_frames;
     if (frames > 0) {
@@ -211,8 +211,8 @@ class FrameStream {
     throw core::IoError("cannot read " + path.string() + ": it is no video that FFmpeg can open");
   }
 
-  /// Gives the decoder the stream's next packet, and none after the last. Returns false where neither is
-  /// taken.
+  /// Sends the decoder the stream's next packet, or its end after the last. Returns false where neither is
+  /// accepted.
   bool send() {
     while (!drained_) {
       const int got = av_read_frame(container_.get(), packet_.get());
@@ -279,7 +279,7 @@ class VideoFileDecoder final : public FrameDecoder {
 
   void rewind() override {
     if (position_ == 0 && !ended_) return;
-    open();  // a seek to frame 0 does not hit it in every container
+    open();  // a seek to frame 0 does not reach it in every container
     first_.release();
     position_ = 0;
     ended_ = false;
@@ -298,8 +298,8 @@ class VideoFileDecoder final : public FrameDecoder {
     if (!info_.fps_is_known) info_.fps = kGuessedRate;
   }
 
-  /// Finds the time of each frame, up to the end of the range, where they are not evenly spaced. The packets
-  /// show whether they are, only decoding shows which are frames.
+  /// Finds the time of each frame, up to the end of the range, where they are not evenly spaced. Packets show
+  /// whether they are; only decoding shows which are frames.
   void take_times(const std::optional<std::int64_t>& last) {
     constexpr std::size_t kReordered = 64;  // packets: frames are stored at most 16 out of order
     constexpr std::size_t kAll = std::size_t{1} << 40;
@@ -353,14 +353,14 @@ class VideoFileDecoder final : public FrameDecoder {
     if (!scaler_)
       throw core::IoError("cannot read " + path_.string() + ": its pixels (" +
                           av_get_pix_fmt_name(kind.stored) + ") are of no known kind");
-    // Swscale takes YUV for limited unless its format says full; the frame's own flag counts.
+    // Swscale assumes limited YUV unless its format says full; the frame's own flag decides.
     if (kind.full_range && !kind.grey) {
       const int* matrix = sws_getCoefficients(SWS_CS_DEFAULT);
       sws_setColorspaceDetails(scaler_.get(), matrix, 1, matrix, 1, 0, 1 << 16, 1 << 16);
     }
   }
 
-  /// Warns of pixels that are not square. Frames stay as stored, so that places in them are those of the
+  /// Warns of pixels that are not square. Frames stay as stored, so that positions in them are those of the
   /// file.
   void check_shape() const {
     constexpr double kSquare = 1e-3;
@@ -390,7 +390,7 @@ class VideoFileDecoder final : public FrameDecoder {
   std::optional<FrameStream> stream_;
   Owned<SwsContext> scaler_;
   cv::Size stored_;  ///< px of the frames in the stream
-  cv::Mat padded_;   ///< a converted frame with some columns more
+  cv::Mat padded_;   ///< a converted frame with extra columns
   PixelKind kind_;
   std::optional<cv::RotateFlags> turn_;
   core::ClipInfo info_;

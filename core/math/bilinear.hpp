@@ -7,7 +7,7 @@
 
 namespace emberfold::core {
 
-/// The four pixels about a place, clamped to the frame, and how far it lies from the left upper one.
+/// The four pixels about a position, clamped to the frame, and its offset from the upper left one.
 template <class Number>
 struct BilinearPlace {
   int left, top, right, bottom;
@@ -21,7 +21,7 @@ struct BilinearPlace {
     u = x - static_cast<Number>(left), v = y - static_cast<Number>(top);
   }
 
-  /// Returns what lies between the values at(row, column) of the rows `top` and `bottom`.
+  /// Interpolates between the values at(row, column) of the rows `top` and `bottom`.
   template <class Row, class At>
   [[nodiscard]] auto between(Row upper, Row lower, const At& at) const {
     return (1 - v) * ((1 - u) * at(upper, left) + u * at(upper, right)) +

@@ -46,7 +46,7 @@ RateComparison compare_rates(double count_a, double exposure_a, double count_b, 
     return found;
   }
   const double share = exposure_b / (exposure_a + exposure_b), tail = (1 - level) / 2;
-  // The second count, given the sum, is binomial; its share of success tells the ratio.
+  // The second count, given the sum, is binomial; its success probability gives the ratio.
   const auto ratio = [&](double success) { return success / (1 - success) * exposure_a / exposure_b; };
   if (count_b > 0) found.ratio.low = ratio(boost::math::ibeta_inv(count_b, count_a + 1, tail));
   if (count_a > 0) found.ratio.high = ratio(boost::math::ibetac_inv(count_b + 1, count_a, tail));

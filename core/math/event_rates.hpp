@@ -13,7 +13,7 @@ struct Interval {
 /// Throws core::InputError.
 Interval event_rate(double count, double exposure, double level = 0.9);
 
-/// How two rates differ.
+/// Comparison of two rates.
 struct RateComparison {
   Interval ratio;  ///< of the second rate to the first; high is infinite where the first has no event
   double p = 1;    ///< probability of counts at least as unlikely, if the rates are the same

@@ -62,12 +62,12 @@ double ways_to_choose(std::size_t all, std::size_t some) {
   return std::round(ways);
 }
 
-/// How far the ratio of the rates lies from 1; half an event more in each, for groups without any.
+/// Returns how far the ratio of the rates is from 1; half an event more in each, for groups without any.
 double distance(const CountedClip& a, const CountedClip& b) {
   return std::abs(std::log((a.count + 0.5) / a.exposure) - std::log((b.count + 0.5) / b.exposure));
 }
 
-/// Share of the ways to deal the clips out in which the groups lie as far apart as they do.
+/// Share of the assignments of clips to groups in which these differ at least as much.
 double permutation_p(std::span<const CountedClip> first, std::span<const CountedClip> second, double ways,
                      std::uint64_t seed) {
   constexpr double kAlike = 1e-9;
@@ -91,7 +91,7 @@ double permutation_p(std::span<const CountedClip> first, std::span<const Counted
     return hits / ways;
   }
   Rng rng(seed, {0x67726f75});
-  double hits = 1;  // the way they were dealt out is one of them
+  double hits = 1;  // the actual assignment is one of them
   for (int draw = 0; draw < static_cast<int>(kMostWays); ++draw) {
     for (std::size_t i = 0; i < first.size(); ++i)
       std::swap(clips[i], clips[i + rng.below(static_cast<std::uint32_t>(clips.size() - i))]);

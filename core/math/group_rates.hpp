@@ -23,17 +23,17 @@ struct GroupRate {
 
 /// Returns the rate of a group of clips: all events over all time. Clips differ by more than chance among
 /// independent events, so the interval is Garwood's of counts divided by the dispersion (quasi-Poisson;
-/// Wedderburn 1974), widened as Student's t is beside the normal law, for few clips tell little of it.
+/// Wedderburn 1974), widened as Student's t is from the normal law, since few clips determine it poorly.
 /// Throws core::InputError for no clip, and as event_rate does.
 GroupRate group_rate(std::span<const CountedClip> clips, double level = 0.9);
 
-/// How the rates of two groups of clips differ.
+/// Comparison of the rates of two groups of clips.
 struct GroupComparison {
   Interval ratio;         ///< of the second group's rate to the first's; ends may be infinite
   double dispersion = 1;  ///< within the groups, by which the interval is widened
-  double p = 1;           ///< of a ratio as far from 1, if the rates are the same
-  /// True: p is of all ways (or 20,000 random ones) to deal the clips to the groups. False: there are fewer
-  /// than twenty ways, and p is that of compare_rates, for independent events alone.
+  double p = 1;           ///< probability of a ratio as far from 1, if the rates are the same
+  /// True: p is over all ways (or 20,000 random ones) to assign the clips to the groups. False: there are
+  /// fewer than twenty ways, and p is that of compare_rates, for independent events alone.
   bool permuted = false;
 };
 

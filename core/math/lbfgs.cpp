@@ -8,7 +8,7 @@ namespace emberfold::core::detail {
 
 namespace {
 
-constexpr std::size_t kMemory = 10;  // steps that the inverse Hessian is made of
+constexpr std::size_t kMemory = 10;  // steps from which the inverse Hessian is estimated
 constexpr int kWindow = 10;          // steps after which the gain is tested
 constexpr int kHalvings = 40;        // of the step length before the direction is given up
 constexpr double kArmijo = 1e-4;     // least share of the predicted descent (Nocedal & Wright 2006, eq. 3.4)

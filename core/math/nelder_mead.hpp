@@ -14,7 +14,7 @@ struct Minimum {
 };
 
 /// Minimises a function by the downhill simplex (Nelder & Mead 1965).
-/// The first simplex is `start` and the points start + steps[i] along axis i. Stops when its values lie
+/// The first simplex is `start` and the points start + steps[i] along axis i. Stops when its values are
 /// within `tolerance` or after `most` evaluations. f(start) is finite; elsewhere infinite values are allowed.
 Minimum minimize_nelder_mead(const std::function<double(const Eigen::VectorXd&)>& f,
                              const Eigen::VectorXd& start, const Eigen::VectorXd& steps, double tolerance,

@@ -10,7 +10,7 @@ namespace emberfold::core {
 /// SD of normally distributed values by their median absolute deviation: 1 / Φ⁻¹(3/4).
 inline constexpr double kMadToSd = 1.4826;
 
-/// Returns the element that stands at `rank` (0 … size − 1) in ascending order; reorders the values. O(n).
+/// Returns the element at `rank` (0 … size − 1) in ascending order; reorders the values. O(n).
 template <class T>
 T order_statistic(std::vector<T>& values, std::size_t rank) {
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);

@@ -27,7 +27,7 @@ struct TextLine {
 std::optional<TextLine> read_line(std::istream& in, std::size_t limit);
 
 /// Parses one JSON value, nested at most 16 deep.
-/// Throws IoError (without a prefix) that names the place of the error.
+/// Throws IoError (without a prefix) that names the position of the error.
 nlohmann::json parse_json(std::string_view text);
 
 /// Quotes a text of a file for a message: short, printable, on one line.

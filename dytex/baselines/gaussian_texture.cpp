@@ -15,7 +15,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr float kMostPole = 0.99F;   // modulus; a wave forgets itself within some hundred frames
+constexpr float kMostPole = 0.99F;   // modulus; a wave decorrelates within some hundred frames
 constexpr double kLeastPairs = 0.5;  // of pixels: counts are whole numbers up to the transform's rounding
 // Turns 32 random bits, as a signed number, into one of variance 1: 2^-32 √12.
 constexpr float kUniformScale = 0x1p-32F * 3.4641016F;
@@ -46,7 +46,7 @@ void each_lag(const Visit& visit) {
     for (int x = -kTextureReach; x <= kTextureReach; ++x) visit(x, y);
 }
 
-/// The transform of a table of lags on a frame of this size, in full.
+/// Returns the full transform of a table of lags on a frame of this size.
 cv::Mat spectrum_of(const cv::Mat& lags, cv::Size size) {
   cv::Mat whole = cv::Mat::zeros(size, CV_32F), spectrum;
   each_lag([&](int x, int y) {
@@ -62,7 +62,7 @@ std::complex<float> at_speed(std::complex<float> pole, float speed) {
   return std::polar(std::pow(std::abs(pole), std::abs(speed)), speed * std::arg(pole));
 }
 
-/// A full spectrum of real numbers as cv::dft packs it.
+/// Packs a full spectrum of real numbers as cv::dft does.
 cv::Mat pack_spectrum(const cv::Mat& full) {
   cv::Mat real, spectrum;
   cv::dft(full, real, cv::DFT_INVERSE | cv::DFT_SCALE | cv::DFT_REAL_OUTPUT);
@@ -128,7 +128,7 @@ GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv:
     const auto* s = power.ptr<Complex>(y);
     auto *rho = pole.ptr<Complex>(y), *w = force.ptr<Complex>(y), *z = first.ptr<Complex>(y);
     for (int x = 0; x < power.cols; ++x) {
-      const float strength = std::max(0.0F, s[x].real());  // a table of finite means may be off by a little
+      const float strength = std::max(0.0F, s[x].real());  // a table of sample means may be a little off
       const float size = std::abs(rho[x]), kept = std::min(size, kMostPole * strength);
       rho[x] = strength > 0 && size > 0
                    ? at_speed(rho[x] * (kept / size / strength), static_cast<float>(speed))
@@ -144,7 +144,7 @@ GaussianTextureFrames::GaussianTextureFrames(const GaussianTexture& texture, cv:
 cv::Mat GaussianTextureFrames::white() {
   core::Rng rng(seed_, {frames_, stream_, kGaussianNoise});
   cv::Mat noise(padded_, CV_32F), spectrum;
-  // Uniform noise will do: sums over many pixels are normal.
+  // Uniform noise is enough: sums over many pixels are normal.
   for (int y = 0; y < noise.rows; ++y) {
     auto* row = noise.ptr<float>(y);
     for (int x = 0; x < noise.cols; ++x)

@@ -6,10 +6,9 @@
 
 #include <opencv2/core/mat.hpp>
 
-// A texture that is Gaussian, and the same everywhere and at all times: all there is to it is how pixels a
-// few px and a frame apart go together. As a linear dynamic texture its modes are waves, each with a pole of
-// its own. (Xia, Ferradans, Peyré & Aujol 2014, "Synthesizing and mixing stationary Gaussian texture
-// models".)
+// A Gaussian texture that is stationary in space and time: it is given by the covariance of pixels a few px
+// and a frame apart. As a linear dynamic texture its modes are waves, each with its own pole. (Xia,
+// Ferradans, Peyré & Aujol 2014, "Synthesizing and mixing stationary Gaussian texture models".)
 namespace emberfold::dytex {
 
 /// Largest lag, px both ways. A table of lags is square, lag 0 in its middle.
@@ -41,13 +40,13 @@ class GaussianTextureLearner {
   cv::Mat within_, within_count_, ahead_, ahead_count_;  // spectra, as cv::dft packs them
 };
 
-/// Draws frames of a texture without an end; the same at any number of threads. Wave k goes
+/// Draws frames of a texture without an end; the same at any number of threads. Wave k follows
 /// z_{t+1} = ρ z_t + √(S (1 − |ρ|²)) w_t with w white, S and ρ S the transforms of `within` and `ahead`,
-/// |ρ| ≤ 0.99; the angle of ρ is drift. Seamless from edge to edge. The first frame is as any other.
+/// |ρ| ≤ 0.99; the angle of ρ is drift. Periodic in both directions. The first frame is stationary too.
 class GaussianTextureFrames {
  public:
-  /// `stream`: separates textures that are drawn with one seed. `speed`: time runs so many times as fast,
-  /// below 0 backwards: ρ becomes |ρ|^|speed| and turns by its angle times `speed`; each frame is as strong.
+  /// `stream`: separates textures that are drawn with one seed. `speed`: factor of time, below 0 backwards: ρ
+  /// becomes |ρ|^|speed| and turns by its angle times `speed`; the variance of a frame stays.
   GaussianTextureFrames(const GaussianTexture& texture, cv::Size frame, std::uint64_t seed,
                         std::uint32_t stream = 0, double speed = 1);
   /// Draws the next frame, CV_32F. O(pixels log pixels).

@@ -28,7 +28,7 @@ int reach_of(const Star& star) {
   return reach;
 }
 
-// A frame's planes, one below the other, each with a border of zeros: a neighbour outside the frame is 0.
+// Returns a frame's planes, one below the other, each with a border of zeros: a neighbour outside is 0.
 cv::Mat padded(cv::Size size, int channels, int reach) {
   return cv::Mat::zeros(channels * (size.height + 2 * reach), size.width + 2 * reach, CV_32F);
 }
@@ -38,7 +38,7 @@ cv::Mat plane(const cv::Mat& planes, int channel, int channels) {
   return planes.rowRange(channel * rows, (channel + 1) * rows);
 }
 
-// One plane of the next frame: `out` holds a (or 0) inside its border and becomes s.
+// Makes one plane of the next frame: `out` holds a (or 0) inside its border and becomes s.
 void step_plane(const Star& star, int reach, const std::vector<cv::Mat>& past, cv::Mat out) {
   const int width = out.cols - 2 * reach;
   const auto coefficient = [&](std::size_t i) {
@@ -110,7 +110,7 @@ cv::Mat with_mean(const Star& star, const cv::Mat& planes, int reach) {
   return out;
 }
 
-// Drawn row by row, each a stream of its own.
+// Draws noise row by row, each from a stream of its own.
 cv::Mat draw_noise(const Star& star, int reach, std::uint64_t seed, std::uint32_t frame) {
   const int channels = star.info.channels;
   cv::Mat out = padded({star.info.width, star.info.height}, channels, reach);

@@ -21,8 +21,8 @@ namespace {
 constexpr double kMostRadius = 0.999;     // from here on a fit is scaled: it would vary for a thousand frames
 constexpr double kScaledRadius = 0.998;   // spectral radius that it is scaled to
 constexpr double kMostSamples = 1 << 16;  // pixels of all frames that least squares reads
-constexpr double kRidge = 1e-9;           // of the mean square: neighbours that always agree stay apart
-constexpr int kResponseRows = 64, kResponseWidth = 129;  // px, of the impulse response that is looked at
+constexpr double kRidge = 1e-9;           // of the mean square: separates neighbours that are always equal
+constexpr int kResponseRows = 64, kResponseWidth = 129;  // px, of the impulse response that is examined
 constexpr std::uint32_t kSamplePurpose = 0x57A1;         // of random streams
 
 struct Mean {
@@ -85,7 +85,7 @@ void add_frame(const Past& past, int margin, std::size_t taken, core::Rng rng, c
   sums.count += static_cast<double>(z.cols());
 }
 
-// Runs through the source; `length`: of a row.
+// Sums rows over the source; `length`: of a row.
 Sums read_sums(core::FrameSource& source, const Star& star, int margin, Eigen::Index length, const Row& row,
                const core::Context& context) {
   const int lags = star.lags();
@@ -110,7 +110,7 @@ Sums read_sums(core::FrameSource& source, const Star& star, int margin, Eigen::I
   return sums;
 }
 
-// The coefficients of least squared error of each row's last value from its others, all channels together.
+// Returns the least-squares coefficients of each row's last value from its others, all channels together.
 Eigen::VectorXd least_squares(const Sums& sums, int channels) {
   const Eigen::Index length = sums.products.rows() / channels, terms = length - 1;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(length, length);
@@ -122,7 +122,7 @@ Eigen::VectorXd least_squares(const Sums& sums, int channels) {
   return detail::right_divide(gram.row(terms).head(terms), among).transpose();
 }
 
-// The factor of the covariance of what is left, between channels.
+// Returns the factor of the residual's covariance between channels.
 Eigen::MatrixXd noise_factor(const Sums& sums, const Eigen::VectorXd& coefficients, int channels) {
   const Eigen::Index length = coefficients.size() + 1;
   Eigen::VectorXd left(length);
@@ -140,7 +140,7 @@ Eigen::MatrixXd noise_factor(const Sums& sums, const Eigen::VectorXd& coefficien
   return detail::triangular_factor(square.transpose()).transpose();
 }
 
-// First what the frames before tell, then how what they leave hangs together.
+// Fits the prediction from the frames before, then the correlation within its residual.
 void fit(core::FrameSource& source, int reach, Star& star, const core::Context& context) {
   const auto same = std::ranges::find_if(star.terms, [](const StarTerm& term) { return term.lag > 0; });
   const std::vector<StarTerm> here(star.terms.begin(), same), before(same, star.terms.end());
@@ -199,7 +199,7 @@ double variance_gain(const Star& star) {
   return sum / waves;
 }
 
-// True if the impulse response of the filter within a frame does not decay over the rows below.
+// Returns whether the impulse response of the filter within a frame does not decay over the rows below.
 bool grows_downwards(const Star& star) {
   Eigen::MatrixXd response = Eigen::MatrixXd::Zero(kResponseRows, kResponseWidth);
   for (int y = 0; y < kResponseRows; ++y)

@@ -12,18 +12,18 @@
 #include "dytex/distances/window_spectra.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
-/// Exact distances between linear dynamic textures: no sum is cut off after some number of frames. All but
+/// Exact distances between linear dynamic textures: no sum is truncated after some number of frames. All but
 /// the windows' compare pixel by pixel. Both models must have frames of equal size and channels, else
 /// InputError. Pixels are visited once, for the products of the components, O(m n²); the rest is O(n³) for
 /// each doubling.
 namespace emberfold::dytex {
 
-/// Tells whether the noise variance is above 0 in all of the frame's values, so that there are KL rates.
+/// Returns whether the noise variance is above 0 in all of the frame's values, so that there are KL rates.
 bool has_noise(const LinearDynamicTexture& texture);
 
 /// Returns the KL divergence rate of clips of `p` from clips of `q`: lim KL(p_T ‖ q_T) / T of the densities
 /// of T frames, nats a frame, ≥ 0. Not symmetric. Means count. A rate below the rounding of its terms is 0.
-/// InputError where a model's noise r is 0, for then the rate is infinite.
+/// Throws InputError where a model's noise r is 0, since the rate is then infinite.
 double kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture& q);
 
 /// Returns KL(p_T ‖ q_T) of clips of T = 1 … length frames that begin in the stationary state, nats (Soatto,
@@ -32,9 +32,9 @@ Eigen::VectorXd kl_growth(const LinearDynamicTexture& p, const LinearDynamicText
                           const core::Context& context = {});
 
 /// Returns the angles between the observability spaces of two models, the columns of [C; C A; C A²; …] (De
-/// Cock, De Moor 2002): rad, 0 … π/2, rising, as many as the smaller model has observable states. Angles
-/// below some 1e-6 rad, the rounding, are 0. Means and noise do not count. InputError where a model has no
-/// components.
+/// Cock, De Moor 2002): rad, 0 … π/2, rising, one for each observable state of the smaller model. Angles
+/// below some 1e-6 rad, the rounding, are 0. Means and noise do not count. Throws InputError where a model
+/// has no components.
 Eigen::VectorXd subspace_angles(const LinearDynamicTexture& p, const LinearDynamicTexture& q);
 
 /// Returns Martin's distance √(−2 Σ log cos θ) over these angles (Martin 2000; De Cock, De Moor 2002, eq.
@@ -55,9 +55,9 @@ struct BinetCauchyOptions {
 /// Returns the trace kernel k = E Σ_t e^{−λt} y_p(t)ᵀ y_q(t) of frames less their mean and without w
 /// (Vishwanathan, Smola, Vidal 2007, eq. 28), with M = Σ_t e^{−λt} (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ:
 ///   k = x_p(0)ᵀ M x_q(0) + tr(Mᵀ E[v_p v_qᵀ]) / (e^λ − 1).
-/// The paper has both models driven by the same noise but leaves open in which coordinates. Here it is one
-/// white image u that drives both, v = Q^½ Cᵀ u: so k does not depend on the states' coordinates, and
-/// matrices of it have no negative eigenvalue. Levels², not normalised.
+/// The paper drives both models by the same noise but leaves open in which coordinates. Here one white image
+/// u drives both, v = Q^½ Cᵀ u, so that k does not depend on the states' coordinates, and matrices of it have
+/// no negative eigenvalue. Levels², not normalised.
 double binet_cauchy(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
                     const BinetCauchyOptions& options = {});
 
@@ -76,7 +76,7 @@ constexpr Measure kMeasures[] = {Measure::kl, Measure::martin, Measure::binet_ca
 /// Returns "kl", "martin", "binet-cauchy", "angles" or "windows".
 const char* name(Measure measure);
 
-/// Tells whether the pair has such a distance.
+/// Returns whether the pair has such a distance.
 bool has(const Distances& distances, Measure measure);
 /// Returns one distance: the KL rate of p from q, Martin's distance, √(2 − 2 k) of the normalised kernel, the
 /// Grassmann distance, or the windows' distance. 0 for equals. InputError where `distances` has no such
@@ -96,7 +96,7 @@ std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> model
                                      std::span<const WindowSpectrum> windows = {});
 
 /// Makes the K × K matrix of one measure from the pairs of all_distances(): entry (i, j) is the distance of i
-/// from j, NaN where a pair has() it not.
+/// from j, NaN where the pair has none.
 Eigen::MatrixXd distance_matrix(std::span<const Distances> pairs, Measure measure);
 
 }  // namespace emberfold::dytex

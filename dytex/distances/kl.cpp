@@ -9,9 +9,9 @@
 #include "dytex/distances/pair_gram.hpp"
 #include "dytex/learning/decompositions.hpp"
 
-// KL(p ‖ q) frame by frame: the filter of q runs over frames of p. With x̂ what it expects of its state,
+// KL(p ‖ q) frame by frame: the filter of q runs over frames of p. With x̂ the state that it predicts,
 //   z = [x_p; x̂_q; 1],   e = y − ŷ_q = H z + w,   H = [C_p, −C_q, mean_p − mean_q],
-// z is a linear process of its own, and a frame's divergence needs E[z zᵀ] and products of H's columns alone:
+// z is itself a linear process, and a frame's divergence needs only E[z zᵀ] and products of H's columns:
 //   ½ (log |S_q| − log |S_p| − m + tr S_q⁻¹ E[e eᵀ]),   S⁻¹ = R⁻¹ − R⁻¹ C Σ Cᵀ R⁻¹,   Σ = (P⁻¹ + CᵀR⁻¹C)⁻¹.
 namespace emberfold::dytex {
 
@@ -40,7 +40,7 @@ void check_noise(const LinearDynamicTexture& texture, const char* which) {
                            "clip has independent frames, so that r is estimated");
 }
 
-/// log |I + K P|; (I + P K)⁻¹ P is what a frame leaves of the covariance P.
+/// Returns log |I + K P|; (I + P K)⁻¹ P is the covariance P after a frame is observed.
 double log_det(const Eigen::MatrixXd& K, const Eigen::MatrixXd& P) {
   if (K.size() == 0) return 0;
   const Eigen::MatrixXd sum = Eigen::MatrixXd::Identity(K.rows(), K.rows()) + K * P;
@@ -54,7 +54,7 @@ Eigen::MatrixXd updated(const Eigen::MatrixXd& K, const Eigen::MatrixXd& P) {
   return (left + left.transpose()) / 2;
 }
 
-/// P = A (P⁻¹ + K)⁻¹ Aᵀ + Q, what the filter does not know of the next state in the long run, by doubling.
+/// Returns P = A (P⁻¹ + K)⁻¹ Aᵀ + Q, the steady error covariance of the predicted state, by doubling.
 Eigen::MatrixXd steady_covariance(const Process& process) {
   const Eigen::Index n = process.A.rows();
   Eigen::MatrixXd A = process.A.transpose(), G = process.K, P = process.Q;
@@ -78,7 +78,7 @@ Eigen::VectorXd variances(const LinearDynamicTexture& texture) {
   return Eigen::VectorXd::Constant(texture.pixels(), texture.r);
 }
 
-/// As make_pair(), where a noise differs from value to value.
+/// Does what make_pair() does, where noise differs from value to value.
 void weigh_by_value(const LinearDynamicTexture& p, const LinearDynamicTexture& q, Pair& pair) {
   const Eigen::VectorXd R_p = variances(p), R_q = variances(q), ratios = R_p.cwiseQuotient(R_q);
   const auto by_p = detail::pair_gram(p, q, R_p.cwiseInverse());
@@ -128,7 +128,7 @@ Step step_of(const Pair& pair, const Eigen::MatrixXd& left) {
   return step;
 }
 
-/// The divergence of one frame given those before it; 0 where it is not above the rounding of its terms.
+/// Returns the divergence of one frame given those before; 0 where it is not above the rounding of its terms.
 double frame_divergence(const Pair& pair, const Eigen::MatrixXd& P_p, const Eigen::MatrixXd& P_q,
                         const Eigen::MatrixXd& left, const Eigen::MatrixXd& moments) {
   const Eigen::Index p = pair.p.A.rows(), q = pair.q.A.rows();
@@ -157,7 +157,7 @@ double detail::kl_rate(const LinearDynamicTexture& p, const LinearDynamicTexture
   const Eigen::MatrixXd left = updated(pair.q.K, P_q);
   const Step step = step_of(pair, left);
   const Eigen::Index states = step.F.rows() - 1;
-  // The last of z is the constant 1, whose eigenvalue 1 no sum over all frames could bear.
+  // The last of z is the constant 1, whose eigenvalue 1 makes sums over all frames diverge.
   Eigen::MatrixXd moments = Eigen::MatrixXd::Constant(1, 1, 1);
   if (states > 0) {
     const Eigen::MatrixXd F = step.F.topLeftCorner(states, states);

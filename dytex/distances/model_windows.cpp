@@ -13,8 +13,8 @@ namespace emberfold::dytex {
 
 namespace {
 
-// Of one octave in time: the energy of u·x is ūᵀ(R + iI)u, of waves that run the other way ūᵀ(R − iI)u, and
-// of white noise of variance 1 `white`.
+// One octave in time: the energy of u·x is ūᵀ(R + iI)u, of waves that run the other way ūᵀ(R − iI)u, and of
+// white noise of variance 1 `white`.
 struct TimeBand {
   Eigen::MatrixXd R, I;  // n × n
   double white = 0;
@@ -91,7 +91,7 @@ Eigen::VectorXd window_energies(const LinearDynamicTexture& texture, const Windo
     const int first = static_cast<int>(octave) * detail::kPatterns;
     for (Eigen::Index k = 0; k < waves; ++k) {
       const auto wave = static_cast<std::size_t>(k);
-      // Rounding may leave less than nothing.
+      // Rounding may give less than 0.
       energies[first + made.pattern[wave]] += std::max(0.0, both[k] + apart[k]);
       energies[first + made.turned[wave]] += std::max(0.0, both[k] - apart[k]);
     }

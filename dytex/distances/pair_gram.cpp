@@ -23,7 +23,8 @@ std::string size_text(const core::ClipInfo& info) {
          (info.channels == 3 ? " in colour" : " in grey");
 }
 
-/// The products of components at the places of the numbers that show them: 0 for those that no frame shows.
+/// Puts the products of components at the places of the states that show them: 0 for those that no frame
+/// shows.
 Eigen::MatrixXd place_products(const Eigen::MatrixXd& gram, const LinearDynamicTexture& p,
                                const LinearDynamicTexture& q) {
   std::vector<Eigen::Index> places;

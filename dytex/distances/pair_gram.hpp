@@ -7,11 +7,11 @@
 
 namespace emberfold::dytex::detail {
 
-/// Gram matrices of two textures together: of [C_p 0, C_q 0, mean_p − mean_q], a
-/// column for each number of the states and one for the means.
+/// Gram matrices of two textures together: of [C_p 0, C_q 0, mean_p − mean_q], a column for each number of
+/// the states and one for the means.
 struct PairGram {
   Eigen::Index p = 0, q = 0;  ///< orders of the two
-  Eigen::MatrixXd bare;       ///< (p + q + 1)², of C as it is
+  Eigen::MatrixXd bare;       ///< (p + q + 1)², of unweighted C
   Eigen::MatrixXd shown;      ///< of C diag(weights), as frames show it
 
   /// Returns the Gram matrices of the pair (q, p).

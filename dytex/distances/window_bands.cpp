@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostWindows = 1024;
 constexpr int kHighest = kSegment / 2 - 1;  // cycles in a segment; half its length has no direction
-constexpr double kLeastShare = 1e-5;        // −50 dB: what compression and rounding leave is not told apart
+constexpr double kLeastShare = 1e-5;        // −50 dB: below it compression and rounding dominate
 constexpr double kMoving = 0.1, kStrong = 0.95;
 
 double hann(int i, int length) {
@@ -28,7 +28,7 @@ int width_band(int squared) {
   return static_cast<int>(std::ranges::upper_bound(kEdges, squared) - kEdges.begin());
 }
 
-// 0: upright stripes, 3: level ones. Mirrored waves are one.
+// Returns 0 for upright stripes … 3 for level ones. Mirrored waves are one.
 int slant(int fx, int fy) {
   const double steep = std::tan(std::numbers::pi / 12), across = std::abs(fx), along = std::abs(fy);
   if (along < steep * across) return 0;
@@ -36,13 +36,13 @@ int slant(int fx, int fy) {
   return along * steep < across ? 2 : 3;
 }
 
-// What runs up and what runs down are two, but for upright stripes.
+// Separates upward from downward motion, but for upright stripes.
 int pattern_of(int fx, int fy, bool up) {
   const int s = slant(fx, fy), direction = s == 0 ? 0 : 2 * s - (up ? 1 : 0);
   return width_band(fx * fx + fy * fy) * 7 + direction;
 }
 
-// Blind to what is constant.
+// Removes the means, so that constants have no part.
 Eigen::MatrixXf without_means(const Eigen::MatrixXd& rows) {
   return (rows.colwise() - rows.rowwise().mean()).cast<float>();
 }

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-/// What is common to the window spectra of clips and of models.
+/// Parts that the window spectra of clips and of models share.
 namespace emberfold::dytex::detail {
 
 constexpr int kWindow = 16;       // px, a side
@@ -15,8 +15,8 @@ constexpr int kTimeBands = 4;     // octaves from 1 cycle in a segment
 constexpr int kPatterns = 4 * 7;  // widths times slants and directions
 constexpr int kWindowBands = kTimeBands * kPatterns;
 
-/// The transforms of a window's pixels and of a segment's frames, each under a Hann window; the latter are
-/// blind to what is constant.
+/// Transforms of a window's pixels and of a segment's frames, each under a Hann window; the latter ignore
+/// constants.
 struct WindowTransforms {
   Eigen::MatrixXf space;             ///< 2K × 256: the cosines of K frequencies, then their sines
   Eigen::MatrixXf time_cosine;       ///< 32 × 15, of 1 … 15 cycles in a segment
@@ -30,12 +30,13 @@ int time_band(int cycles);
 
 /// Returns the upper left corners of the windows along a side of `length` px: `step` apart, in the middle.
 std::vector<int> window_starts(int length, int step);
-/// Returns how far windows lie apart, px: the window's own side, or as many times it as keep them at 1024.
+/// Returns the distance between windows, px: the window's side, or the multiple of it that keeps them at
+/// 1024.
 int window_step(int width, int height);
 
 /// Returns the mean over moving windows of 10 log₁₀ of each band's share (energies: bands × windows). A
-/// window moves that has a tenth of the energy that one in twenty exceeds, and more than `least`. Nothing
-/// where none moves.
+/// window moves if it has more than `least` energy and at least a tenth of the energy that one window in
+/// twenty exceeds. Nothing where none moves.
 std::optional<Eigen::VectorXd> mean_shares(const Eigen::MatrixXd& energies, double least);
 /// Returns the energy in a window and segment of white noise of variance 1e-4 levels²: float's rounding.
 double least_energy();

@@ -8,8 +8,8 @@
 
 namespace emberfold::dytex {
 
-/// Carries bytes between the ranks of a job, which all run the same program on parts of the same work. What
-/// passes by value of rank to itself is not counted as sent.
+/// Sends bytes between the ranks of a job, which all run the same program on parts of the same work. Bytes
+/// that a rank exchanges with itself do not count as sent.
 class Communicator {
  public:
   Communicator() = default;
@@ -20,7 +20,7 @@ class Communicator {
   [[nodiscard]] virtual int rank() const = 0;   ///< 0 … ranks − 1
   [[nodiscard]] virtual int ranks() const = 0;  ///< ≥ 1
 
-  /// Sends to another rank, which receives as many bytes.
+  /// Sends to another rank, which receives the same number of bytes.
   virtual void send(int rank, std::span<const std::byte> bytes) = 0;
   virtual void receive(int rank, std::span<std::byte> bytes) = 0;
   /// Sends `to[r]` to every rank r while it receives `from[r]` from it; all ranks call it, and sizes agree at

@@ -36,7 +36,7 @@ void gather_mean(const DistributedJob& job, const StripeMeans& means, LearnResul
   }
 }
 
-/// What makes columns orthonormal: L⁻ᵀ with CᵀC = L Lᵀ.
+/// Returns the factor that makes columns orthonormal: L⁻ᵀ with CᵀC = L Lᵀ.
 Eigen::MatrixXd orthonormalising(const DistributedJob& job, const StripeRows& C, Eigen::Index n) {
   const Eigen::MatrixXd products =
       sum_stripes(job.ranks, job.stripes, n, n, false, true, [&](std::size_t stripe, Eigen::MatrixXd& sum) {

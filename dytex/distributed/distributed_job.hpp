@@ -14,7 +14,7 @@
 
 namespace emberfold::dytex::detail {
 
-/// What all steps of learn_distributed() work with.
+/// The input of all steps of learn_distributed().
 struct DistributedJob {
   Communicator& ranks;
   const Stripes& stripes;
@@ -29,22 +29,23 @@ struct DistributedJob {
   [[nodiscard]] bool is_root() const { return ranks.rank() == 0; }
 };
 
-/// What a rank has of each of its stripes, by stripe.
+/// A rank's means of each of its stripes, by stripe.
 using StripeMeans = std::map<std::size_t, Eigen::VectorXd>;
 using StripeRows = std::map<std::size_t, Eigen::MatrixXf>;
 
-/// What earlier runs have done, the same on all ranks.
+/// Work that earlier runs have done, the same on all ranks.
 struct Progress {
   std::int64_t frames = 0, blocks = 0, ended = 0;
 };
 Progress load_progress(const DistributedJob& job);
-/// Keeps progress once all ranks have got all they put to the disk.
+/// Saves progress once all that the ranks wrote is on the disk.
 void save_progress(const DistributedJob& job, Progress progress);
 
-/// Returns a stripe's values of `frames` frames that lie one after the other.
+/// Returns a stripe's values of `frames` frames that are stored one after the other.
 FrameValues stripe_values(const DistributedJob& job, std::size_t stripe, const std::byte* values,
                           std::size_t frames);
-/// Returns the means of a stripe's values, and adds their Gram matrices over all stripes (rank 0 has it).
+/// Returns the means of a stripe's values, and adds their Gram matrices over all stripes (rank 0 has the
+/// sum).
 StripeMeans stripe_means(const DistributedJob& job, std::size_t frames,
                          const std::function<FrameValues(std::size_t)>& values);
 Eigen::MatrixXd gram_of_stripes(const DistributedJob& job, std::size_t frames,
@@ -53,7 +54,7 @@ Eigen::MatrixXd gram_of_stripes(const DistributedJob& job, std::size_t frames,
 /// Makes C's columns orthonormal, gives its rows to the sink and the mean to rank 0's texture.
 void finish_model(const DistributedJob& job, StripeRows C, const StripeMeans& means, LearnResult& learned);
 
-/// The two ways; see learn_distributed().
+/// Learns at once or by blocks; see learn_distributed().
 DistributedResult learn_at_once(const DistributedJob& job, std::size_t most_frames);
 DistributedResult learn_by_blocks(const DistributedJob& job, std::size_t block);
 

@@ -14,7 +14,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr std::size_t kCopies = 4;  // of a round's frames: decoded, to be sent, received, and on their way
+constexpr std::size_t kCopies = 4;  // of a round's frames: decoded, to be sent, received, and in transit
 
 std::string kind_text(int width, int height, int type) {
   return std::to_string(width) + " × " + std::to_string(height) + " of OpenCV's type " + std::to_string(type);

@@ -17,14 +17,14 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// Strongest directions that are kept from block to block: enough that those dropped are not missed.
+/// Number of strongest directions kept from block to block: enough that the rest is not missed.
 Eigen::Index kept_directions(const LearnOptions& options) {
   constexpr Eigen::Index kSpare = 50, kForShare = 200;
   const Eigen::Index n = options.components;
   return options.energy ? kForShare : std::max(2 * n, n + kSpare);
 }
 
-/// What rank 0 remembers of a block: how its frames' directions became those of all frames up to then.
+/// Rank 0's record of a block: how its frames' directions became those of all frames up to then.
 struct BlockMerge {
   Eigen::MatrixXd V;         ///< τ₂ × k₂, of the block alone
   Eigen::MatrixXd W;         ///< (k₁ + k₂ + 1) × k; of the first block k₂ × k
@@ -33,7 +33,7 @@ struct BlockMerge {
   Eigen::Index before = 0;   ///< τ₁
 };
 
-/// All that a rank has of its stripes.
+/// A rank's part of its stripes.
 struct MergedStripes {
   StripeMeans means;
   StripeRows scores;  ///< U S, rows × k
@@ -51,7 +51,7 @@ void append_matrix(Bytes& bytes, const Matrix& matrix) {
   append(bytes, matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(typename Matrix::Scalar));
 }
 
-/// Reads what append() wrote; IoError where there is less.
+/// Reads the output of append(); throws IoError where there is less.
 class KeptBytes {
  public:
   KeptBytes(StripeKeeper& keeper, const std::string& name) : name_(name) {
@@ -142,8 +142,8 @@ class BlockFrames {
     });
   }
 
-  /// Reads up to `most` frames from frame `first` on, in as many rounds as it takes; `ended` is set at the
-  /// clip's end.
+  /// Reads up to `most` frames from `first` on, in several rounds if needed; `ended` is
+  /// set at the clip's end.
   std::size_t read(std::size_t first, std::size_t most, bool& ended) {
     std::size_t count = 0;
     while (count < most && !ended) {
@@ -207,7 +207,7 @@ void take_directions(const Eigen::MatrixXd& products, Eigen::Index most, BlockMe
   block.singular = eigen.values.head(kept).cwiseSqrt();
 }
 
-/// Merges a block into what there is of the frames before it; `squares`: of those.
+/// Merges a block into the result of the frames before it; `squares`: of those.
 void merge(const DistributedJob& job, MergedStripes& merged, const MergedStripes& added, double squares,
            std::size_t count, BlockMerge& block) {
   const auto before = static_cast<double>(block.before), frames = static_cast<double>(count),
@@ -243,7 +243,7 @@ void merge(const DistributedJob& job, MergedStripes& merged, const MergedStripes
   });
 }
 
-/// The right singular vectors of all frames, from those of the blocks and how they were merged, last first.
+/// Returns the right singular vectors of all frames, from those of the blocks and their merges, last first.
 Eigen::MatrixXd right_vectors(const std::vector<BlockMerge>& blocks, Eigen::Index frames) {
   const Eigen::Index kept = blocks.back().singular.size();
   Eigen::MatrixXd V(frames, kept), later = Eigen::MatrixXd::Identity(kept, kept);
@@ -266,13 +266,13 @@ Eigen::MatrixXd right_vectors(const std::vector<BlockMerge>& blocks, Eigen::Inde
   return V;
 }
 
-/// The spectrum of all frames, and which of its directions were turned round against the scores.
+/// The spectrum of all frames, and which of its directions had their sign changed against the scores.
 struct WholeSpectrum {
   Spectrum spectrum;
   Eigen::VectorXd signs;
 };
 
-/// Directions that were not kept are taken as alike.
+/// Treats directions that were not kept as equally strong.
 WholeSpectrum whole_spectrum(const std::vector<BlockMerge>& blocks, Eigen::Index frames, double to_levels,
                              Eigen::Index values) {
   const BlockMerge& last = blocks.back();

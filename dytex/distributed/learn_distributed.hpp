@@ -29,22 +29,22 @@ struct DistributedResult {
   std::size_t decoded = 0;  ///< frames, by this rank
 };
 
-/// Learns what learn() learns from a clip that many ranks share: each frame is decoded by one rank, which
+/// Learns the model of learn() from a clip that many ranks share: each frame is decoded by one rank, which
 /// sends its stripes of values to the ranks that own them. All ranks call it with the same arguments but for
 /// `clip.source`.
 ///
 /// With `block` 0 and up to 10 000 frames all stripes are kept (`keeper`), their Gram matrices are added
 /// along a fixed tree, rank 0 decomposes the sum, and each rank makes the rows of C of its stripes: the model
 /// of learn(), up to the rounding of sums. Else blocks of `block` frames (1024 where it is 0) are decomposed
-/// by themselves and merged (Iwen, Ong 2016; the mean's part as Ross, Lim, Lin, Yang 2008): with U₁ S₁, U₂
-/// S₂, means μ₁, μ₂ and frames τ₁, τ₂ the directions of both are those of
+/// separately and merged (Iwen, Ong 2016; the mean's part as Ross, Lim, Lin, Yang 2008): with U₁ S₁, U₂ S₂,
+/// means μ₁, μ₂ and frames τ₁, τ₂ the directions of both are those of
 ///   [U₁ S₁, U₂ S₂, (μ₂ − μ₁) √(τ₁ τ₂ / (τ₁ + τ₂))],
-/// found from its Gram matrix, of which the max(2n, n + 50) strongest are kept. Singular values behind them
-/// are told as alike, with the variance that is left. A frame is then kept until its block is done.
+/// found from its Gram matrix, of which the max(2n, n + 50) strongest are kept. Singular values after them
+/// are set equal, with the residual variance. A frame is then kept until its block is done.
 ///
 /// The same bytes at any number of ranks and threads, and where `keeper` holds a part of the work. Channels
-/// are joint. InputError, wrapped in FailedTogether as all others, where an option needs all frames at once,
-/// or a block does not fit in `options.memory` on a rank.
+/// are joint. Throws InputError, wrapped in FailedTogether as all others, where an option needs all frames at
+/// once, or a block does not fit in `options.memory` on a rank.
 DistributedResult learn_distributed(Communicator& ranks, const SharedClip& clip, const LearnOptions& options,
                                     std::size_t block, StripeKeeper& keeper, const RowSink& rows,
                                     const core::Context& context);

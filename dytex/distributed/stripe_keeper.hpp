@@ -9,8 +9,8 @@
 
 namespace emberfold::dytex {
 
-/// Keeps what ranks have made, so that a later run of the same job goes on from there, at another number of
-/// ranks too. All ranks see what all have kept. Functions throw core::IoError.
+/// Stores the ranks' results, so that a later run of the same job resumes there, also at another number of
+/// ranks. All ranks see what all have stored. Functions throw core::IoError.
 class StripeKeeper {
  public:
   StripeKeeper() = default;
@@ -20,12 +20,12 @@ class StripeKeeper {
 
   /// Puts a part of a stripe's values at an offset, bytes. Only its owner does.
   virtual void put(std::size_t stripe, std::size_t offset, std::span<const std::byte> values) = 0;
-  /// Returns the first `size` bytes of what was put; valid as long as the keeper.
+  /// Returns the first `size` bytes that were put; valid as long as the keeper.
   virtual std::span<const std::byte> values(std::size_t stripe, std::size_t size) = 0;
-  /// Returns once all that this rank has put is where it outlives the machine's death.
+  /// Returns once all that this rank has put survives a crash of the machine.
   virtual void flush() = 0;
 
-  /// Keeps bytes under a name, whole or not at all, in the place of what had that name.
+  /// Stores bytes under a name, whole or not at all, in place of what had that name.
   virtual void save(const std::string& name, std::span<const std::byte> bytes) = 0;
   [[nodiscard]] virtual std::optional<std::vector<std::byte>> load(const std::string& name) = 0;
   virtual void remove(const std::string& name) = 0;

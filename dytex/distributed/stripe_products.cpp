@@ -18,7 +18,7 @@ Eigen::Index column_count(const SideBySide& columns) {
   return count;
 }
 
-/// Rows from `row` on of the columns [first, first + to.cols()), in double.
+/// Converts rows from `row` on of the columns [first, first + to.cols()) to double.
 void convert_part(const SideBySide& columns, Eigen::Index row, Eigen::Index rows, Eigen::Index first,
                   Eigen::MatrixXd& to) {
   Eigen::Index at = 0;

@@ -9,10 +9,10 @@
 
 namespace emberfold::dytex::detail {
 
-/// Columns that stand side by side, all with the same rows.
+/// Matrices side by side, all with the same rows.
 using SideBySide = std::vector<const Eigen::MatrixXf*>;
 
-/// Adds MᵀM to `sum` (K × K, lower half), M being K columns in all. In double, in a fixed order: the same
+/// Adds MᵀM to `sum` (K × K, lower half), M having K columns in all. In double, in a fixed order: the same
 /// bits at any thread count. O(rows K²).
 void add_stripe_products(const SideBySide& columns, Eigen::MatrixXd& sum, const core::Context& context);
 

@@ -66,7 +66,7 @@ class TreeSum {
     }
     return left;
   }
-  /// What a term threw; the sum went on without it, as others wait for it.
+  /// Returns what a term threw; the sum continued without it, as other ranks wait for it.
   [[nodiscard]] std::exception_ptr failure() const { return failure_; }
 
  private:

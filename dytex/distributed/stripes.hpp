@@ -12,8 +12,8 @@
 
 namespace emberfold::dytex {
 
-/// A frame's values cut into stripes of neighbouring ones, the same ones at any number of ranks: 64, or as
-/// many as there are sum blocks of 256 values. Each rank owns a run of stripes; rank 0 owns the first.
+/// A frame's values cut into stripes of neighbouring ones, the same at any number of ranks: 64, or one for
+/// each sum block of 256 values if those are fewer. Each rank owns a run of stripes; rank 0 owns the first.
 class Stripes {
  public:
   Stripes(std::size_t values, int ranks);
@@ -22,7 +22,7 @@ class Stripes {
   [[nodiscard]] std::size_t values() const { return values_; }  ///< of a frame: m
   [[nodiscard]] std::size_t begin(std::size_t stripe) const;    ///< its first value; count() is allowed
   [[nodiscard]] std::size_t size(std::size_t stripe) const { return begin(stripe + 1) - begin(stripe); }
-  /// The first stripe of a rank; those up to the next rank's first are its own. `ranks` is allowed.
+  /// Returns the first stripe of a rank; those up to the next rank's first are its own. `ranks` is allowed.
   [[nodiscard]] std::size_t first_of(int rank) const;
   [[nodiscard]] int owner(std::size_t stripe) const;
 
@@ -33,8 +33,8 @@ class Stripes {
 /// Adds matrices of `rows` × `columns`, one of each stripe, along a fixed tree; rank 0 returns the sum,
 /// others return anything. `term(stripe, sum)` adds a stripe's matrix to `sum` and is called on the stripe's
 /// owner alone. The same bits at any number of ranks. `exact`: sums of these numbers are not rounded, so that
-/// a rank may add what it has as it comes, in less memory. `lower`: only the lower half is sent and added;
-/// the matrix is square. Throws FailedTogether.
+/// a rank may add its own as they come, in less memory. `lower`: only the lower half is sent and added; the
+/// matrix is square. Throws FailedTogether.
 Eigen::MatrixXd sum_stripes(Communicator& ranks, const Stripes& stripes, Eigen::Index rows,
                             Eigen::Index columns, bool exact, bool lower,
                             const std::function<void(std::size_t, Eigen::MatrixXd&)>& term);

@@ -16,7 +16,7 @@ namespace {
 
 enum class Kind : std::int64_t { none, input, io, numerical, cancelled, memory, other };
 
-/// What a rank tells all others: its value, or what it failed with and how long the text is.
+/// A rank's message to all others: its value, or its error and the length of the error's text.
 struct Told {
   std::int64_t value = 0;
   Kind kind = Kind::none;
@@ -69,7 +69,7 @@ std::span<std::byte> bytes_of(std::vector<Value>& values) {
   return std::as_writable_bytes(std::span(values));
 }
 
-/// Gives every rank the text of one of them.
+/// Sends every rank the text of one of them.
 std::string text_of(Communicator& ranks, int from, std::string text, std::int64_t length) {
   const auto count = static_cast<std::size_t>(ranks.ranks());
   text.resize(static_cast<std::size_t>(length));

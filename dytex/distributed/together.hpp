@@ -13,7 +13,7 @@
 
 namespace emberfold::dytex {
 
-/// Tells that a rank failed and that all ranks know: each of them throws it.
+/// Reports that a rank failed and that all ranks know: each of them throws it.
 class FailedTogether : public std::exception {
  public:
   FailedTogether(int rank, const std::exception_ptr& cause)
@@ -30,14 +30,14 @@ class FailedTogether : public std::exception {
 };
 
 /// Calls `body` on every rank and returns what each returned, by rank. Where one throws, all throw
-/// FailedTogether; so no rank waits for one that is gone. The body sends and receives nothing.
+/// FailedTogether, so that no rank waits for one that is gone. The body sends and receives nothing.
 std::vector<std::int64_t> tell_together(Communicator& ranks, const std::function<std::int64_t()>& body);
-/// The same for a body that returns nothing.
+/// Does the same for a body that returns nothing.
 void together(Communicator& ranks, const std::function<void()>& body);
 
-/// Gives every rank the bytes of rank 0. They have the same size on all.
+/// Sends the bytes of rank 0 to every rank. They have the same size on all.
 void broadcast(Communicator& ranks, std::span<std::byte> bytes);
-/// The same for a number, and for a matrix, whose size the others need not know.
+/// Does the same for a number, and for a matrix, whose size the others need not know.
 std::int64_t broadcast_number(Communicator& ranks, std::int64_t value);
 void broadcast_matrix(Communicator& ranks, Eigen::MatrixXd& matrix);
 

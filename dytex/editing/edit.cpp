@@ -42,7 +42,7 @@ void check_all(const std::string& name, const std::vector<double>& values, doubl
     core::check_range(name + "[" + std::to_string(i) + "]", values[i], 0, most);
 }
 
-/// The texture on its way, and what an edit acts on.
+/// The texture being edited, and what an edit acts on.
 struct Work {
   EditResult result;
   const Edit* edit = nullptr;
@@ -80,8 +80,7 @@ void note_losses(Work& work, const detail::EditedDynamics& edited) {
         " % of the noise that would was negative and was cut");
 }
 
-/// Gives the group its new dynamics. Where the noise has more inputs than before, what it was drawn from
-/// goes.
+/// Stores the group's new dynamics. Where the noise gets more inputs, the residuals are dropped.
 void store_group(Work& work, const Group& group, const detail::EditedDynamics& edited) {
   LinearDynamicTexture& texture = work.texture();
   texture.A(group.states, group.states) = edited.A;
@@ -99,7 +98,7 @@ void store_group(Work& work, const Group& group, const detail::EditedDynamics& e
 
 using Change = std::function<detail::EditedDynamics(const MatrixXd&, const MatrixXd&)>;
 
-/// A new A for every group; `rescale`: B times what keeps the contrast.
+/// Makes a new A for every group; `rescale`: scales B to keep the contrast.
 void change_dynamics(Work& work, const Change& change, bool keep_noise, bool rescale) {
   for (const Group& group : groups(work.texture(), work.edit->channel)) {
     const MatrixXd A = work.texture().A(group.states, group.states);

@@ -11,23 +11,23 @@
 #include "dytex/linear_dynamic_texture.hpp"
 
 /// Editing a linear dynamic texture (Doretto, Soatto, "Editable dynamic textures", 2002 and CVPR 2003). An
-/// edit is a value; a list of edits is applied in its order, each to what the ones before it left.
+/// edit is a value; a list of edits is applied in its order, each to the result of the ones before.
 namespace emberfold::dytex {
 
 /// Scales the phases of A's pairs of poles by `factor` (2003, eq. 4); their moduli, and real poles, stay. A
-/// pair whose phase would pass π becomes 0, as the paper has it: its part of the state is then white noise.
-/// −1 conjugates the eigenvectors, the paper's way back in time (eq. 5), which keeps the spectrum but not the
+/// pair whose phase would pass π becomes 0, as in the paper: its part of the state is then white noise. −1
+/// conjugates the eigenvectors, the paper's way back in time (eq. 5), which keeps the spectrum but not the
 /// correlations: Reverse does.
 struct Speed {
   double factor = 1;  ///< Ω, −3 … 3
 };
 
 /// Runs time `factor` times as fast: A becomes its power, so that lifetimes scale as phases do; a negative
-/// real pole keeps its sign, its modulus takes the power. A whole factor shows every factor-th frame, and as
-/// there a phase beyond π wraps around. The noise becomes P − A' P A'ᵀ, which leaves the stationary
-/// covariance P as it is; where that is not positive (not every sampled process has a finer one) its negative
-/// part is cut. At 0 time stands still: a clip drawn shows one moment, but for values that lie so near the
-/// middle between two levels that rounding turns.
+/// real pole keeps its sign, its modulus takes the power. A whole factor shows every factor-th frame, so that
+/// a phase beyond π wraps around. The noise becomes P − A' P A'ᵀ, which keeps the stationary covariance P;
+/// where that is not positive (not every sampled process has a finer one) its negative part is cut. At 0 time
+/// stops: a clip drawn shows one moment, but for values so near the middle between two levels that their
+/// rounding changes.
 struct Flow {
   double factor = 1;  ///< 0, or 0.01 … 100
 };
@@ -66,7 +66,7 @@ struct Edit {
   /// model of all channels an InputError.
   std::optional<int> channel = {};
   /// Speed and Flow: Q is rescaled so that the variance of what is shown, tr W P W, stays. Of a model per
-  /// channel each channel's does. Without, B is left as it is.
+  /// channel each channel's does. Without, B is unchanged.
   bool keep_contrast = true;
 };
 
@@ -76,22 +76,22 @@ void validate(const Edit& edit);
 struct EditResult {
   LinearDynamicTexture texture;
   int dropped = 0;                 ///< poles that Speed or Flow made 0
-  std::vector<std::string> notes;  ///< a line for everything that was not done as asked
+  std::vector<std::string> notes;  ///< a line for everything that was not done as requested
 };
 
-/// Applies the edits in their order. Mean, C, r, noise, states and singular stay as they are; every A' is
-/// stable. A factor of 1 changes no bit. Poles too close to be told apart (nearly defective A) are turned
-/// together, by their mean phase. The residuals stay unless the noise got more inputs, which a note tells;
-/// marginals stay, and further inputs are normal. InputError for edits that validate() refuses, lists that
-/// are too long, or a channel that the model has not; NumericalError where a decomposition fails. O(N⁴) at
-/// worst, in practice O(N³); C is not touched.
+/// Applies the edits in their order. Mean, C, r, noise, states and singular are unchanged; every A' is
+/// stable. A factor of 1 changes no bit. Poles too close to be separated (nearly defective A) are turned
+/// together, by their mean phase. The residuals stay unless the noise got more inputs, which a note reports;
+/// marginals stay, and further inputs are normal. Throws InputError for edits that validate() refuses, lists
+/// that are too long, or a channel that the model does not have; NumericalError where a decomposition fails.
+/// O(N⁴) at worst, in practice O(N³); C is not touched.
 EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits);
 
 /// Returns the edits named after a picture in the paper's figures (2003, Fig. 2; 2002, Figs. 2 to 5):
 /// turbulent, hazy, billowing, patchy (smoke), rough-sea, lake, rain (ocean), spray, frothy, spurty
-/// (fountain), fire-coarse, fire-medium, fire-fine, fire-slow, fire-fast, fire-reversed. The paper says which
-/// sliders go up or down, for most of them; the numbers are chosen here, as it prints none. InputError, with
-/// all names, for another name.
+/// (fountain), fire-coarse, fire-medium, fire-fine, fire-slow, fire-fast, fire-reversed. For most of them the
+/// paper says which sliders go up or down; the numbers are chosen here, as it prints none. Throws InputError,
+/// with all names, for another name.
 std::vector<Edit> preset(std::string_view name);
 
 struct PresetInfo {

@@ -14,11 +14,11 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr double kRest = 0x1p-40;             // of a state is lost in a frame at rest: stable all the same
+constexpr double kRest = 0x1p-40;             // of a state is lost in a frame at rest: still stable
 constexpr double kLeastVariance = 1e-12;      // of the largest; directions below it do not move
 constexpr double kNegativeRounding = 1e-13;   // of a matrix's size; smaller eigenvalues are rounding
 constexpr double kPhaseRounding = 1e-12;      // of pi; a phase this little above it has not passed it
-constexpr double kLargestRadius = 1 - 1e-12;  // to which rounding's overshoot of 1 is brought back
+constexpr double kLargestRadius = 1 - 1e-12;  // to which a radius that rounding made 1 is reduced
 constexpr int kMostNewtonSteps = 60;          // bounds the time; convergence is quadratic
 constexpr double kNewtonTolerance = 1e-15;    // relative change
 
@@ -26,8 +26,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// States measured in their own standard deviations, x = L z: A's norm there is at most 1, so that what is
-/// large or small in levels does not count when poles are told apart.
+/// States measured in their own standard deviations, x = L z: A's norm there is at most 1, so that scale in
+/// levels does not count when poles are separated.
 struct Whitening {
   MatrixXd L, inverse;
   [[nodiscard]] MatrixXd white(const MatrixXd& A) const { return inverse * A * L; }
@@ -43,7 +43,7 @@ Whitening whitening(const MatrixXd& covariance) {
   return {eigen.vectors * scale.asDiagonal(), scale.cwiseInverse().asDiagonal() * eigen.vectors.transpose()};
 }
 
-/// F with F Fᵀ = the symmetric matrix without its negative part, and the share that this is.
+/// F with F Fᵀ = the symmetric matrix without its negative part, and the share of that part.
 struct Factor {
   MatrixXd F;
   double cut = 0;
@@ -58,8 +58,8 @@ Factor positive_factor(const MatrixXd& symmetric, double size) {
           negative > 0 ? negative / (positive + negative) : 0};
 }
 
-/// J with J² = −I that commutes with the block, its eigenvalues +i for the upper poles: Newton's iteration
-/// for the matrix sign. Of a single pair it is there after one division.
+/// Returns J with J² = −I that commutes with the block, its eigenvalues +i for the upper poles: Newton's
+/// iteration for the matrix sign. A single pair takes one division.
 MatrixXd quarter_turn(const MatrixXd& block) {
   MatrixXd J = block - block.trace() / static_cast<double>(block.rows()) *
                            MatrixXd::Identity(block.rows(), block.rows());
@@ -73,7 +73,7 @@ MatrixXd quarter_turn(const MatrixXd& block) {
   return J;
 }
 
-/// A by its blocks, the basis that of states in levels.
+/// Splits A into its blocks, in a basis of states in levels.
 PoleBlocks blocks_of(const MatrixXd& A, const MatrixXd& covariance) {
   const Whitening whitening = detail::whitening(covariance);
   PoleBlocks poles = pole_blocks(whitening.white(A));
@@ -84,7 +84,7 @@ PoleBlocks blocks_of(const MatrixXd& A, const MatrixXd& covariance) {
 
 using BlockChange = std::function<MatrixXd(const PoleBlock&, const MatrixXd&)>;
 
-/// basis · diagonal · inverse with what `change` makes of each block of the diagonal.
+/// Returns basis · diagonal · inverse after `change` was applied to each block of the diagonal.
 MatrixXd assembled(const MatrixXd& basis, MatrixXd diagonal, const MatrixXd& inverse,
                    const std::vector<PoleBlock>& blocks, EditedDynamics& result, const BlockChange& change) {
   for (const PoleBlock& block : blocks) {

@@ -17,8 +17,8 @@ struct Group {
   Eigen::Index shown = 0;
 };
 
-/// Returns the groups that an edit of the channel, or of all, acts on. InputError where the model has not
-/// that channel, or its channels do not move by themselves.
+/// Returns the groups that an edit of the channel, or of all, acts on. Throws InputError where the model does
+/// not have that channel, or its channels do not move independently.
 std::vector<Group> groups(const LinearDynamicTexture& texture, const std::optional<int>& channel);
 
 }  // namespace emberfold::dytex::detail

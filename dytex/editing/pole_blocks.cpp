@@ -21,7 +21,7 @@ constexpr double kJoinDistance = 0.1;  // between poles; those farther apart are
 constexpr double kZeroModulus = 1e-9;  // a pole below this is 0
 constexpr double kSwapError = 100 * std::numeric_limits<double>::epsilon();  // of a swapped block, relative
 
-/// A Schur form on its way to being block-diagonal.
+/// A Schur form that is being made block-diagonal.
 struct Schur {
   MatrixXd T, basis, inverse;
   [[nodiscard]] Index size() const { return T.rows(); }
@@ -45,7 +45,7 @@ Complex pole(const Schur& schur, Index first) {
   return eigenvalues(schur.T.block<2, 2>(first, first)).first;
 }
 
-/// X of P X − X Q = R; huge or not finite where P and Q all but share an eigenvalue.
+/// Solves P X − X Q = R for X; huge or not finite where P and Q nearly share an eigenvalue.
 MatrixXd solve_sylvester(const MatrixXd& P, const MatrixXd& Q, const MatrixXd& R) {
   const Index p = P.rows(), q = Q.rows();
   MatrixXd system = MatrixXd::Zero(p * q, p * q);
@@ -56,8 +56,8 @@ MatrixXd solve_sylvester(const MatrixXd& P, const MatrixXd& Q, const MatrixXd& R
   return LuFactors(system).solve_vector(R.reshaped()).reshaped(p, q);
 }
 
-/// Swaps the diagonal blocks at `first` (p rows) and behind it (q rows) by an orthogonal transformation (Bai,
-/// Demmel 1993). False, and nothing changed, where they are too close for that.
+/// Swaps the diagonal blocks at `first` (p rows) and after it (q rows) by an orthogonal transformation (Bai,
+/// Demmel 1993). Returns false, and changes nothing, where they are too close for that.
 bool swap_blocks(Schur& schur, Index first, Index p, Index q) {
   MatrixXd& T = schur.T;
   const MatrixXd X = solve_sylvester(T.block(first, first, p, p), T.block(first + p, first + p, q, q),
@@ -76,8 +76,8 @@ bool swap_blocks(Schur& schur, Index first, Index p, Index q) {
   return true;
 }
 
-/// X that splits rows first … first + size off from those behind them: P X − X R = −T_PR, column block by
-/// column block.
+/// Returns X that splits rows first … first + size off from those after them: P X − X R = −T_PR, column block
+/// by column block.
 MatrixXd splitting(const Schur& schur, Index first, Index size) {
   const Index begin = first + size, rest = schur.size() - begin;
   const MatrixXd P = schur.T.block(first, first, size, size);
@@ -91,7 +91,7 @@ MatrixXd splitting(const Schur& schur, Index first, Index size) {
   return X;
 }
 
-/// Lets the pole nearest to those of the block, if one is near, join it: the block's new size.
+/// Joins the nearest pole to the block, if one is near, and returns the block's new size.
 Index join_nearest(Schur& schur, Index first, Index size) {
   Index nearest = -1;
   double least = kJoinDistance;

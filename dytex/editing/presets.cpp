@@ -29,11 +29,11 @@ constexpr std::array<Preset, 16> kPresets{{
     {{"patchy", "smoke: fine up"}, 1, {1, 1, 2}},
     // Ocean. "the intensity and the coarse and fine scales have been amplified, … larger waves"
     {{"rough-sea", "ocean: intensity, coarse and fine up"}, 2, {1.5, 1, 1.5}},
-    // "the 'lake effect', where the waves appear more gentle and smooth": how is not told
+    // "the 'lake effect', where the waves appear more gentle and smooth": not said how
     {{"lake", "ocean: intensity, medium and fine down"}, 0.5, {1, 0.7, 0.3}},
     // "increasing the intensity and the fine scale, while decreasing the coarse and middle scale"
     {{"rain", "ocean: intensity and fine up, coarse and medium down"}, 2, {0.3, 0.4, 2}},
-    // Fountain. "playing with the intensity and scale parameters": which way is not told
+    // Fountain. "playing with the intensity and scale parameters": not said which way
     {{"spray", "fountain: fine up, coarse down"}, 1.5, {0.6, 1, 2}},
     {{"frothy", "fountain: medium up"}, 1.2, {0.8, 1.8, 1.2}},
     {{"spurty", "fountain: intensity and coarse up, fine down"}, 2.5, {1.5, 1, 0.5}},

@@ -49,7 +49,7 @@ struct Fit {
   Smoothed smoothed;
 };
 
-/// From the start to the last iteration; the smoothed states are those of the last parameters.
+/// Iterates from the start; the smoothed states are those of the last parameters.
 void iterate(detail::Appearance& appearance, const EmOptions& options, const core::Context& context, Fit& fit,
              EmResult& result) {
   Observations seen = appearance.observe();
@@ -98,7 +98,7 @@ void take_dynamics(const Fit& fit, const Basis& basis, EmResult& result) {
                          "): the Yule-Walker fit to the smoothed states is taken");
 }
 
-/// All singular values of the centred frames, with what is hidden as the texture shows it.
+/// Finds all singular values of the centred frames, with hidden values as the texture shows them.
 void filled_spectrum(core::FrameSource& source, const Missing& missing, const EmOptions& options,
                      const core::Context& context, EmResult& result) {
   LinearDynamicTexture& texture = result.texture;
@@ -122,7 +122,7 @@ void note_residuals(const LinearDynamicTexture& start, EmResult& result) {
     result.notes.emplace_back("the likelihood is of noise in all directions: the start's fewer are left");
 }
 
-/// Says where clips drawn from the model vary much more or less than the smoothed states.
+/// Notes where clips drawn from the model vary much more or less than the smoothed states.
 void compare_variance(EmResult& result) {
   const LinearDynamicTexture& texture = result.texture;
   const double drawn = stationary_covariance(texture.A, texture.B).trace();
@@ -199,7 +199,7 @@ EmResult learn_missing(core::FrameSource& source, const Missing& missing, const 
   const LearnResult start = learn(held, learning, context);
   EmResult result = maximise_likelihood(source, start.texture, options, missing, context);
   result.passes += start.passes + 1;
-  std::vector<std::string> notes;  // the start's own are of a model that is no more
+  std::vector<std::string> notes;  // the start's own describe a model that was replaced
   if (start.texture.components() < learning.components && !learning.energy)
     notes.push_back("what is seen changes in " + std::to_string(start.texture.components()) +
                     " directions only: the model has as many components");

@@ -30,7 +30,7 @@ struct EmResult {
   bool converged = false;              ///< stopped by the tolerance
   double likelihood_r = 0;             ///< r as likelihood has it, before its bias was taken out
   int passes = 0;                      ///< over the source
-  std::vector<std::string> notes;      ///< a line for everything that was not taken as asked or measured
+  std::vector<std::string> notes;      ///< a line for everything not as requested or measured
 };
 
 /// Finds the most likely model by EM (Shumway, Stoffer 1982), from the model `start` of the same clip: filter
@@ -42,21 +42,20 @@ struct EmResult {
 /// hidden
 ///   pixels another O(n²) for each value that is hidden (or seen, where those are fewer), frame by frame.
 ///   C is held in double, 8 m n bytes. A mean is estimated with C; values seen in fewer than n + 2 frames
-///   keep what they began with, which a note tells.
-/// Hidden frames and pixels take part in nothing; the texture has states for all frames, so that FilledSource
-/// shows what was hidden. C comes out orthonormal, by falling variance. r is what likelihood has it, times
-/// τ/(τ − 1 − n) for the C and the mean that were fitted with it (values seen over those less what was
-/// fitted). Where the A found is not stable, Yule–Walker on the same smoothed states is taken, and a note
-/// tells.
+///   keep their initial values, which a note reports.
+/// Hidden frames and pixels are ignored; the texture has states for all frames, so that FilledSource shows
+/// what was hidden. C comes out orthonormal, by falling variance. r is the likelihood's, times τ/(τ − 1 − n)
+/// for the C and the mean that were fitted with it (values seen over those less what was fitted). Where the A
+/// found is not stable, Yule–Walker on the same smoothed states replaces it, with a note.
 ///
-/// InputError where `start` is of another size or number of frames, `missing` too, or a value that is seen is
-/// not finite. The same bytes at any thread count.
+/// Throws InputError where `start` is of another size or number of frames, `missing` too, or a value that is
+/// seen is not finite. The same bytes at any thread count.
 EmResult maximise_likelihood(core::FrameSource& source, const LinearDynamicTexture& start,
                              const EmOptions& options = {}, const Missing& missing = {},
                              const core::Context& context = {});
 
-/// Learns from a clip of which part is hidden: in closed form, with what was last seen of each pixel in the
-/// place of what is hidden, then by maximise_likelihood().
+/// Learns from a clip of which part is hidden: in closed form, with each hidden pixel held at its last seen
+/// value, then by maximise_likelihood().
 EmResult learn_missing(core::FrameSource& source, const Missing& missing, const LearnOptions& learning = {},
                        const EmOptions& options = {}, const core::Context& context = {});
 

@@ -29,7 +29,7 @@ class Appearance {
   virtual void write(const Eigen::MatrixXd& right, LinearDynamicTexture& texture) = 0;
   /// Returns the noise variance, the mean one where each value has its own.
   [[nodiscard]] virtual double r() const = 0;
-  /// Returns the factor that takes the fit's bias out of r; 1 where no frame is left over.
+  /// Returns the factor that removes the fit's bias from r; 1 where no frame is left over.
   [[nodiscard]] virtual double r_correction() const = 0;
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };

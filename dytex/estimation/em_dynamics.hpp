@@ -7,7 +7,7 @@
 
 namespace emberfold::dytex::detail {
 
-/// Sums over a smoothed sequence of what is expected of its states.
+/// Sums over a smoothed sequence of expected second moments of its states.
 struct Moments {
   Eigen::MatrixXd before;  ///< Σ E x(t) x(t)ᵀ over all frames but the last
   Eigen::MatrixXd after;   ///< the same over all but the first

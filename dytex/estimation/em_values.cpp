@@ -18,7 +18,7 @@ namespace {
 struct FrameMoments {
   Eigen::MatrixXd z;       // size × τ
   Eigen::MatrixXd packed;  // size (size + 1) / 2 × τ
-  Eigen::VectorXd total;   // over frames of which something is seen
+  Eigen::VectorXd total;   // over frames of which any value is seen
 
   [[nodiscard]] Eigen::Index size() const { return z.rows(); }
 };
@@ -48,7 +48,7 @@ Eigen::MatrixXd unpack(const Eigen::VectorXd& packed, Eigen::Index size) {
   return full.selfadjointView<Eigen::Lower>();
 }
 
-/// Frames in which a pixel is seen.
+/// Counts the frames in which a pixel is seen.
 std::size_t seen_count(const Missing& missing, std::size_t pixel, std::size_t frames) {
   if (!missing.any()) return frames;
   std::size_t hidden = 0;
@@ -57,7 +57,7 @@ std::size_t seen_count(const Missing& missing, std::size_t pixel, std::size_t fr
   return frames - hidden;
 }
 
-/// Σ E z zᵀ over the frames in which a pixel is seen.
+/// Sums E z zᵀ over the frames in which a pixel is seen.
 Eigen::MatrixXd moment_of(const FrameMoments& moments, const Missing& missing, std::size_t pixel,
                           std::size_t seen) {
   const auto frames = static_cast<std::size_t>(moments.z.cols());
@@ -134,7 +134,7 @@ class ValueAppearance final : public Appearance {
   struct Sums {
     Eigen::MatrixXd vectors;  // n × τ
     Eigen::VectorXd squares;  // τ
-    double left = 0;          // Σ of what C leaves of the values that are seen
+    double left = 0;          // Σ of squared residuals of the values that are seen
   };
 
   [[nodiscard]] Eigen::Index frames() const {
@@ -197,7 +197,7 @@ class ValueAppearance final : public Appearance {
     return result;
   }
 
-  // C, mean and noise of a block's rows, those of one pattern at a time; what they leave, summed.
+  // Fits C, mean and noise of a block's rows, those of one pattern at a time; returns their summed residual.
   double fit_rows(const FrameMoments& moments, const Eigen::MatrixXd& Y, Eigen::Index at) {
     const Eigen::Index rows = Y.rows();
     const Eigen::MatrixXd products = Y * moments.z.transpose();

@@ -14,13 +14,13 @@ namespace emberfold::dytex {
 /// The forecast of a texture, 1 … K frames ahead of a state.
 struct Forecast {
   Eigen::MatrixXd states;                    ///< N × K: expected states; draw() draws a column
-  std::vector<Eigen::MatrixXd> covariances;  ///< K of N × N, of the states about that
+  std::vector<Eigen::MatrixXd> covariances;  ///< K of N × N, of the states about these
   Eigen::VectorXd error;                     ///< K: expected RMS error of a frame's values, levels
 };
 
 /// Predicts states and errors: x ← A x, P ← A P Aᵀ + B Bᵀ. The error of step k is √((tr(diag(weights)² P) + Σ
-/// R)/m). InputError where the texture is not valid, `from` is of another order or `steps` is outside 1 …
-/// 100000. O(K N³).
+/// R)/m). Throws InputError where the texture is not valid, `from` is of another order or `steps` is outside
+/// 1 … 100000. O(K N³).
 Forecast forecast(const LinearDynamicTexture& texture, const StateGuess& from, int steps);
 
 /// Returns the expected RMS error of each value, levels: √diag(C P Cᵀ + R) for the state's covariance P (N ×

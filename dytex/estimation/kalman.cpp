@@ -178,7 +178,7 @@ Smoothed smooth(const StateSpace& space, const Filtered& filtered) {
   const Eigen::MatrixXd& last = factors(frames - 1).filtered;
   result.steps.push_back({symmetric(last * last.transpose()), {}});
   result.step.back() = 0;
-  Eigen::MatrixXd J, rest;  // rest: what is left of the filtered covariance with x(t+1) known
+  Eigen::MatrixXd J, rest;  // rest: the filtered covariance that remains with x(t+1) known
   std::pair<int, int> of{-1, -1};
   bool steady = false;
   for (Eigen::Index t = frames - 2; t >= 0; --t) {

@@ -21,7 +21,7 @@ struct Observations {
   Eigen::MatrixXd vectors;                   ///< n × τ: Cᵀ R⁻¹ (y − mean)
   Eigen::VectorXd squares;                   ///< τ: (y − mean)ᵀ R⁻¹ (y − mean)
   Eigen::VectorXd constants;                 ///< τ: Σ log(2π R)
-  std::vector<Eigen::MatrixXd> information;  ///< n × n each: the different Cᵀ R⁻¹ C there are
+  std::vector<Eigen::MatrixXd> information;  ///< n × n each: the different values of Cᵀ R⁻¹ C
   std::vector<int> which;                    ///< τ: a frame's information; −1 where nothing of it is seen
 
   [[nodiscard]] Eigen::Index frames() const { return vectors.cols(); }
@@ -39,14 +39,14 @@ struct Filtered {
   Eigen::MatrixXd states;         ///< n × τ: E x(t) given the frames up to t
   std::vector<FilterStep> steps;  ///< the different ones: from some frame on all are the same
   std::vector<int> step;          ///< τ: a frame's step
-  double log_likelihood = 0;      ///< of everything that was seen, natural logarithm
+  double log_likelihood = 0;      ///< of all values seen, natural logarithm
 };
 
 /// Filters states forwards (Kalman) in n dimensions, whatever the number of pixels. With P = F Fᵀ predicted,
-/// K = Cᵀ R⁻¹ C and I + Fᵀ K F = L Lᵀ, the filtered factor is F L⁻ᵀ and the next predicted one comes of a QR
-/// of what A makes of it and B. No covariance is inverted or subtracted from, so that all stay symmetric and
-/// not negative. Covariances are kept once they change by less than 1e-12 of themselves, for as long as
-/// frames show the same values. InputError where shapes disagree or something is not finite; NumericalError
+/// K = Cᵀ R⁻¹ C and I + Fᵀ K F = L Lᵀ, the filtered factor is F L⁻ᵀ and the next predicted one comes from a
+/// QR of A times it and B. No covariance is inverted or subtracted from, so that all stay symmetric and not
+/// negative. Covariances are kept once they change by less than 1e-12 of themselves, for as long as frames
+/// show the same values. Throws InputError where shapes disagree or an entry is not finite; NumericalError
 /// where a number leaves the range of double. O(n³) a frame until then, O(n²) after.
 Filtered filter(const StateSpace& space, const Observations& observations);
 
@@ -65,8 +65,8 @@ struct Smoothed {
   }
 };
 
-/// Smooths states backwards through what filter() found (Rauch, Tung, Striebel 1965).
-/// `filtered` must be of the same space. As filter() in cost.
+/// Smooths states backwards from the result of filter() (Rauch, Tung, Striebel 1965).
+/// `filtered` must be of the same space. The cost is that of filter().
 Smoothed smooth(const StateSpace& space, const Filtered& filtered);
 
 }  // namespace emberfold::dytex

@@ -41,7 +41,7 @@ struct RowSums {
   }
 };
 
-/// A frame for each different way of hiding some of the pixels.
+/// Lists one frame for each different way of hiding some of the pixels.
 std::vector<std::size_t> partly_hidden_frames(const Missing& missing) {
   std::vector<std::size_t> result;
   for (std::size_t t = 0; t < missing.frames(); ++t) {
@@ -51,8 +51,8 @@ std::vector<std::size_t> partly_hidden_frames(const Missing& missing) {
   return result;
 }
 
-/// True if fewer pixels of the frame are hidden than seen, so that they are summed and subtracted from the
-/// whole.
+/// Returns whether fewer pixels of the frame are hidden than seen, so that they are summed and subtracted
+/// from the whole.
 bool sums_hidden(const Missing& missing, std::size_t frame) {
   return 2 * missing.count(frame) <= missing.pixels();
 }

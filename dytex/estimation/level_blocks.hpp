@@ -27,7 +27,7 @@ Eigen::MatrixXd level_block(const FrameValues& values, std::size_t first, std::s
                             const Missing& missing, const Eigen::Ref<const Eigen::VectorXd>& mean);
 
 /// Calls body(slab, first row, rows) for blocks of kBlock rows below m: those of a slab one after another,
-/// slabs in parallel. What slabs sum up and is then added in their order is the same at any thread count.
+/// slabs in parallel. Sums kept by slab and then added in order are the same at any thread count.
 constexpr std::size_t kSumSlabs = 16;
 void for_sum_blocks(Eigen::Index m, const core::Context& context,
                     const std::function<void(std::size_t, Eigen::Index, Eigen::Index)>& body);

@@ -20,13 +20,13 @@ class Missing {
  public:
   Missing() = default;
   /// Reads a mask: pixels at least half as bright as white (luma) are hidden. `clip`: the clip it belongs to.
-  /// InputError where its size is another, it has no frames, or hides every pixel of all frames but one.
+  /// Throws InputError where its size differs, it has no frames, or hides every pixel of all frames but one.
   Missing(core::FrameSource& mask, const core::ClipInfo& clip, const core::Context& context = {});
 
   [[nodiscard]] bool any() const { return frames_ > 0; }
   [[nodiscard]] std::size_t frames() const { return frames_; }
   [[nodiscard]] std::size_t pixels() const { return pixels_; }
-  /// Throws InputError unless the mask has so many frames, or none.
+  /// Throws InputError unless the mask has this number of frames, or none.
   void check_frames(std::size_t frames) const;
 
   [[nodiscard]] bool hidden(std::size_t pixel, std::size_t frame) const {
@@ -36,13 +36,13 @@ class Missing {
   [[nodiscard]] std::size_t count(std::size_t frame) const { return frames_ > 0 ? counts_[frame] : 0; }
   [[nodiscard]] bool all_seen(std::size_t frame) const { return count(frame) == 0; }
   [[nodiscard]] bool all_hidden(std::size_t frame) const { return frames_ > 0 && counts_[frame] == pixels_; }
-  /// Tells whether each frame is either all seen or all hidden.
+  /// Returns whether each frame is either all seen or all hidden.
   [[nodiscard]] bool by_frames() const;
   /// Returns a pixel's bits, frame 0 the lowest of the first word.
   [[nodiscard]] std::span<const std::uint64_t> pattern(std::size_t pixel) const {
     return {bits_.data() + pixel * words_, words_};
   }
-  /// Returns τ numbers: equal where frames next to each other hide the same pixels; −1 where all are hidden.
+  /// Returns τ numbers: equal where adjacent frames hide the same pixels; −1 where all are hidden.
   [[nodiscard]] const std::vector<int>& groups() const { return groups_; }
 
  private:
@@ -74,7 +74,7 @@ class FilledSource final : public core::FrameSource {
 };
 
 /// A clip whose hidden pixels hold their last seen value; before that, the mean of the seen ones. A pixel
-/// that is never seen has the mean of all pixels. Reads the source once when made.
+/// that is never seen has the mean of all pixels. Reads the source once when constructed.
 class HeldSource final : public core::FrameSource {
  public:
   HeldSource(core::FrameSource& source, const Missing& missing, const core::Context& context);

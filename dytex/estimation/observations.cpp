@@ -88,7 +88,7 @@ BatchSums sums_of(const Batch& batch, std::size_t first, const LinearDynamicText
   return slabs[0];
 }
 
-/// From the n numbers that frames show to all N.
+/// Extends the n numbers that frames show to all N.
 void widen(Observations& seen, Eigen::Index order) {
   const Eigen::Index n = seen.vectors.rows();
   if (n == order) return;

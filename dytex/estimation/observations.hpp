@@ -30,7 +30,7 @@ struct StateGuess {
 /// Returns the state of the last frame that was filtered.
 StateGuess last_state(const Filtered& filtered);
 /// Returns the state of the last frame that a texture was learned from, as uncertain as after a filter over
-/// as many frames. InputError where the texture is not valid. O(m n²).
+/// the same number of frames. Throws InputError where the texture is not valid. O(m n²).
 StateGuess last_training_state(const LinearDynamicTexture& texture, double least_noise = 1.0 / 12);
 
 }  // namespace emberfold::dytex

@@ -47,19 +47,19 @@ void add_byte_sums(const FrameValues& values, std::size_t begin, std::size_t cou
   }
 }
 
-/// Columns and those that fill the last panel.
+/// Columns, filled up to whole panels.
 std::size_t whole_panels(std::size_t columns) {
   return (columns + kPanel - 1) / kPanel * kPanel;
 }
 
-/// A block of C and what it is summed from, in slices.
+/// A block of C and its factors, in slices.
 struct Work {
   std::vector<float> left, out, mean;
   Work(std::size_t depth, std::size_t columns)
       : left(kRows * depth), out(kRows * whole_panels(columns)), mean(kRows) {}
 };
 
-/// Rows of kSlice values; those behind the last one are 0.
+/// Slices of kSlice rows; those after the last row are 0.
 std::size_t slice_count(std::size_t rows) {
   return (rows + kSlice - 1) / kSlice;
 }
@@ -76,7 +76,7 @@ void centre(const Value* from, std::size_t rows, const float* mean, float* to, s
   }
 }
 
-/// Right factors in panels: see add_product().
+/// Packs right factors in panels: see add_product().
 std::vector<float> pack_panels(const Eigen::MatrixXd& right) {
   const auto depth = static_cast<std::size_t>(right.rows()), columns = static_cast<std::size_t>(right.cols());
   std::vector<float> result(whole_panels(columns) * depth, 0);

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-/// All of Eigen's decompositions that the room uses, behind plain functions: they take long to compile.
+/// All of Eigen's decompositions that dytex uses, behind plain functions: they take long to compile.
 namespace emberfold::dytex::detail {
 
 struct SymmetricEigen {
@@ -90,7 +90,7 @@ class CholeskyFactors {
   CholeskyFactors(const CholeskyFactors&) = delete;
   CholeskyFactors& operator=(const CholeskyFactors&) = delete;
 
-  /// Tells whether M is positive definite. Only then the others mean anything.
+  /// Returns whether M is positive definite. The others are valid only then.
   [[nodiscard]] bool positive() const;
   /// Returns M⁻¹ Y.
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;

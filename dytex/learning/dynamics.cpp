@@ -44,7 +44,7 @@ Eigen::MatrixXd lagged_rows(const Eigen::MatrixXd& V, Eigen::Index lags, Eigen::
   return rows;
 }
 
-/// The companion form of x(t+1) = (A₁ … A_lags) (x(t), …): below, each layer becomes the next one's.
+/// Returns the companion form of x(t+1) = (A₁ … A_lags) (x(t), …): each layer becomes the next one's.
 Eigen::MatrixXd companion(const Eigen::MatrixXd& first) {
   const Eigen::Index n = first.rows(), order = first.cols();
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(order, order);
@@ -53,7 +53,7 @@ Eigen::MatrixXd companion(const Eigen::MatrixXd& first) {
   return A;
 }
 
-/// The states of all frames; what lies before the clip is taken to be its first frame.
+/// The states of all frames; those before the clip are assumed to be its first frame.
 Eigen::MatrixXd all_states(const Eigen::MatrixXd& V, Eigen::Index lags) {
   Eigen::MatrixXd longer(V.rows() + lags - 1, V.cols());
   longer.topRows(lags - 1) = V.row(0).replicate(lags - 1, 1);
@@ -77,7 +77,7 @@ Fit least_squares_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
       least_squares(lagged_rows(V, lags, lags - 1, frames - 2), V.bottomRows(frames - lags)).transpose());
 }
 
-/// With zeros before and behind the clip: always stable, and F Fᵀ = P − A P Aᵀ, P the data's covariance.
+/// Fits with zeros before and after the clip: always stable, and F Fᵀ = P − A P Aᵀ, P the data's covariance.
 Fit yule_walker_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
   const Eigen::Index n = V.cols(), frames = V.rows(), rows = frames + lags;
   const Eigen::MatrixXd past = lagged_rows(V, lags, -1, frames + lags - 2);
@@ -139,7 +139,7 @@ std::string decimal_text(double value) {
   return text;
 }
 
-/// Least squares where all blocks have a stable one and leave noise; else what is to be taken instead.
+/// Fits by least squares where all blocks have a stable fit that leaves noise; else by its replacement.
 std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOptions& options, Dynamics& result,
                              const core::Context& context) {
   std::vector<Fit> fits;
@@ -174,7 +174,7 @@ std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOption
   return fits;
 }
 
-/// The innovations forms; where one is not found, the closed form is kept.
+/// Fits the innovations forms; where one is not found, the closed form is kept.
 std::vector<Fit> innovations_forms(const std::vector<Block>& blocks, const LearnOptions& options,
                                    std::vector<Fit> fits, Dynamics& result, const core::Context& context) {
   const bool subspace = options.method == Method::n4sid;
@@ -194,7 +194,7 @@ std::vector<Fit> innovations_forms(const std::vector<Block>& blocks, const Learn
   return better;
 }
 
-/// A block's numbers among the model's: layer by layer, in each in the order of the components.
+/// A block's rows in the model: layer by layer, in each in the order of the components.
 std::vector<Eigen::Index> rows_of(const Block& block, Eigen::Index n, Eigen::Index layers) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index layer = 0; layer < layers; ++layer)
@@ -202,8 +202,8 @@ std::vector<Eigen::Index> rows_of(const Block& block, Eigen::Index n, Eigen::Ind
   return rows;
 }
 
-/// v as it was, of mean 0 and covariance I: M^(−1/2) B⁺ (innovations − their mean), M the covariance of the
-/// rest. Empty where there are too few frames.
+/// Returns the v of each frame, of mean 0 and covariance I: M^(−1/2) B⁺ (innovations − their mean), M the
+/// covariance of the rest. Empty where there are too few frames.
 Eigen::MatrixXd whiten_inputs(const Eigen::MatrixXd& B, const Eigen::MatrixXd& innovations) {
   Eigen::MatrixXd inputs = least_squares(B, innovations);
   inputs.colwise() -= inputs.rowwise().mean().eval();
@@ -215,7 +215,7 @@ Eigen::MatrixXd whiten_inputs(const Eigen::MatrixXd& B, const Eigen::MatrixXd& i
          covariance.vectors.transpose() * inputs;
 }
 
-/// F with F Fᵀ = noise noiseᵀ, or as much of it as the asked number of inputs holds.
+/// Returns F with F Fᵀ = noise noiseᵀ, or the strongest part of it in the requested number of inputs.
 Eigen::MatrixXd driving_factor(const Eigen::MatrixXd& noise, const LearnOptions& options, Dynamics& result) {
   Eigen::MatrixXd B = left_factor(noise);
   const Eigen::Index rank = options.noise_rank;
@@ -227,7 +227,7 @@ Eigen::MatrixXd driving_factor(const Eigen::MatrixXd& noise, const LearnOptions&
   return B.leftCols(rank);
 }
 
-/// Chooses what v is drawn from. `B` is turned where its inputs are to be independent.
+/// Chooses the distribution of v. `B` is rotated where its inputs are to be independent.
 void choose_noise(const Eigen::MatrixXd& innovations, const LearnOptions& options, Eigen::MatrixXd& B,
                   Dynamics& result, const core::Context& context) {
   if (options.noise == Noise::normal) return;

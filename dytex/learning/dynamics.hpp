@@ -12,12 +12,12 @@
 
 namespace emberfold::dytex::detail {
 
-/// States that move by themselves, X = diag(s) Vᵀ (n × τ): of all components, or of one channel's. V, τ × n,
+/// States that move independently, X = diag(s) Vᵀ (n × τ): of all components, or of one channel's. V, τ × n,
 /// has orthonormal columns that sum to 0; s > 0.
 struct Block {
   Eigen::VectorXd s;
   Eigen::MatrixXd V;
-  std::vector<Eigen::Index> places;  ///< n: which components of the model they are
+  std::vector<Eigen::Index> places;  ///< n: indices of these components in the model
 };
 
 /// x(t+1) = A x(t) + B v(t), fitted to states.
@@ -27,21 +27,21 @@ struct Dynamics {
   double least_squares_radius = 0;
   Transition transition = Transition::least_squares;
   bool noiseless = false;          ///< least squares was stable, but left nothing for the noise
-  std::vector<std::string> notes;  ///< a line for everything that was not taken as asked
+  std::vector<std::string> notes;  ///< a line for everything that was not done as requested
 };
 
 /// Returns a note if clips drawn from a model vary much more or less than the clip.
-/// None where both variances (`drawn`, `seen`) lie within a factor of 1.5.
+/// None where both variances (`drawn`, `seen`) are within a factor of 1.5.
 std::optional<std::string> variance_note(double drawn, double seen);
 
-/// Returns the expected variance over time of each number of the state in clips of so many frames, drawn from
-/// the stationary state, about each clip's own mean: below the stationary variance, far below where poles are
-/// slow. A is stable. O(n³ log frames).
+/// Returns the expected variance over time of each number of the state in clips of this number of frames,
+/// drawn from the stationary state, about each clip's own mean: below the stationary variance, far below
+/// where poles are slow. A is stable. O(n³ log frames).
 Eigen::VectorXd variance_within(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::Index frames);
 
-/// Fits x(t+1) = A x(t) + B v(t) to every block by itself, with common noise. With `lags` or an innovations
-/// form, the state's first n numbers are the components, and the others follow in the same order. InputError
-/// where frames are too few. For the closed form O(n² τ + n³).
+/// Fits x(t+1) = A x(t) + B v(t) to every block separately, with common noise. With `lags` or an innovations
+/// form, the state's first n numbers are the components, and the others follow in the same order. Throws
+/// InputError where frames are too few. For the closed form O(n² τ + n³).
 Dynamics fit_dynamics(const std::vector<Block>& blocks, const LearnOptions& options,
                       const core::Context& context = {});
 

@@ -97,7 +97,7 @@ std::vector<Block> blocks_of(const std::vector<Spectrum>& spectra, const std::ve
   return blocks;
 }
 
-/// The columns of V S⁻¹ that make C out of the frames' values, in the order of the components.
+/// The columns of V S⁻¹ that make C of the frames' values, in the order of the components.
 Eigen::MatrixXd component_weights(const std::vector<Block>& blocks, Eigen::Index n, double to_levels) {
   Eigen::MatrixXd weights(blocks[0].V.rows(), n);
   for (const Block& block : blocks)
@@ -123,8 +123,8 @@ void match_variance(LearnResult& result) {
   result.notes.back() += ": its noise is scaled to the clip's variance";
 }
 
-/// The variance that the components leave, by its degrees of freedom: n directions of the frames and of time,
-/// and the mean, are taken out of m × τ values.
+/// The residual variance by its degrees of freedom: n directions of the frames and of time, and the mean, are
+/// taken out of m × τ values.
 double left_variance(const std::vector<Spectrum>& spectra, const std::vector<Block>& blocks, Eigen::Index m) {
   const Eigen::Index frames = spectra[0].singular.size(),
                      values = m / static_cast<Eigen::Index>(spectra.size());

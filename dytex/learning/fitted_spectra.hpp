@@ -12,18 +12,18 @@
 
 namespace emberfold::dytex::detail {
 
-/// What follows from the frames' spectra alone: all of a model but its mean and C.
+/// The part of a model that depends on the frames' spectra alone: all but its mean and C.
 struct FittedSpectra {
   LearnResult result;       ///< `texture.C` has n columns and no rows, `texture.mean` is empty
   Eigen::MatrixXd weights;  ///< τ × n, V S⁻¹: centred frames times it are C
   bool single = true;       ///< single precision is enough for C
 };
 
-/// Throws InputError where `components` are asked for by number and a clip of so many frames has fewer.
+/// Throws InputError where `components` are set by number and a clip of this number of frames has fewer.
 void check_count(const LearnOptions& options, Eigen::Index frames);
 
 /// Chooses the components by the options and fits their motion. `spectra`: of all channels, or one for each;
-/// `grams`: the raw matrices they are of, which Order::held_out reads; `info` tells the number of frames.
+/// `grams`: the raw matrices they are of, which Order::held_out reads; `info` gives the number of frames.
 FittedSpectra fit_spectra(const std::vector<Spectrum>& spectra, const std::vector<Eigen::MatrixXd>& grams,
                           const core::ClipInfo& info, const LearnOptions& options,
                           const core::Context& context);

@@ -31,7 +31,7 @@ FrameBlocks::FrameBlocks(core::FrameSource& source, std::size_t memory, std::siz
   const std::size_t fitting = memory / (values_ * value_bytes_);
   const std::size_t told = info.frames && *info.frames > 0 ? static_cast<std::size_t>(*info.frames) : 0;
   bool whole = told <= fitting,
-       by_blocks = !whole;  // what is kept in this pass: all, the first block, or nothing
+       by_blocks = !whole;  // kept in this pass: all, the first block, or nothing
   if (by_blocks) plan(told, memory);
   source_.rewind();
   ++passes_;

@@ -15,7 +15,7 @@ namespace emberfold::dytex::detail {
 
 /// Frames: the most that a model is learned from. Beyond, τ × τ decompositions take many minutes.
 constexpr std::size_t kMostFrames = 5000;
-/// Bytes: the least memory for frames that may be asked for.
+/// Bytes: the smallest memory for frames that may be requested.
 constexpr double kLeastMemory = 1 << 20;
 
 /// Reads a source's frames in blocks of their values, of which one at a time is in memory. A clip that fits
@@ -23,8 +23,8 @@ constexpr double kLeastMemory = 1 << 20;
 class FrameBlocks {
  public:
   /// Reads the clip once to keep or to count it. `memory`: bytes for frames; at least one block of every
-  /// frame is held. InputError where there are fewer than 2 or more than `most_frames` frames; IoError where
-  /// a frame has another size or type than the source tells.
+  /// frame is held. Throws InputError where there are fewer than 2 or more than `most_frames` frames; IoError
+  /// where a frame's size or type differs from the source's.
   FrameBlocks(core::FrameSource& source, std::size_t memory, std::size_t most_frames,
               const core::Context& context);
 

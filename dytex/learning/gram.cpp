@@ -37,7 +37,7 @@ std::vector<Tile> tiles_of(std::size_t frames) {
   return tiles;
 }
 
-/// Frames' bytes of a block widened to 16 bits, a row of kDotLength for each frame and zeros behind them.
+/// Widens a block's bytes of frames to 16 bits, a row of kDotLength for each frame with zeros at the end.
 void widen(const FrameValues& values, std::size_t first, std::size_t last, std::size_t begin,
            std::vector<std::int16_t>& rows) {
   const std::size_t count = std::min(kDotLength, values.count - begin);
@@ -52,7 +52,7 @@ void widen(const FrameValues& values, std::size_t first, std::size_t last, std::
   }
 }
 
-/// The part of a tile that the values from `begin` to `end` make.
+/// Returns the part of a tile that comes from the values from `begin` to `end`.
 Eigen::MatrixXd byte_products(const FrameValues& values, const Tile& tile, std::size_t begin, std::size_t end,
                               const core::Context& context) {
   const Isa isa = best_isa();

@@ -11,7 +11,7 @@
 namespace emberfold::dytex::detail {
 
 /// Values in a sum block. Sums run over blocks that begin at multiples of it, so that they have the same bits
-/// however frames are cut, if the cuts lie between blocks.
+/// however frames are cut, if the cuts are between blocks.
 constexpr std::size_t kBlock = 256;
 
 /// Points to the same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F): every `step`-th
@@ -32,7 +32,7 @@ struct FrameValues {
 FrameValues channel_values(const FrameValues& values, std::size_t first, std::size_t channels,
                            std::size_t channel);
 
-/// Adds Yᵀ Y to `gram` (τ × τ, lower half; the upper half is left alone), Y having a frame's values in each
+/// Adds Yᵀ Y to `gram` (τ × τ, lower half; the upper half is unchanged), Y having a frame's values in each
 /// column. 8-bit values are summed in whole numbers: exact as long as entries stay below 2⁵³. Others in
 /// double, block by block. The same bits at any thread count. O(τ² count / 2).
 void add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Context& context);

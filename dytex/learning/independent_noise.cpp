@@ -23,7 +23,7 @@ constexpr int kMostTurns = 200;
 constexpr double kTurned = 1e-6;      // rad of a step that ends the search
 constexpr double kFalseAlarm = 0.05;  // of a normal clip, for all of its inputs together
 constexpr std::uint64_t kSeed = 1;    // of the rotation to begin from
-constexpr int kShapes = 49;           // that are tried
+constexpr int kShapes = 49;           // tried
 constexpr double kLeastShape = 0.3, kMostShape = 8;
 constexpr Index kSamplesPerInput = 8, kLeastSamples = 32;
 

@@ -22,20 +22,20 @@ Eigen::MatrixXd fast_ica(const Eigen::MatrixXd& v, const Eigen::MatrixXd& start,
 /// Ramdas, Balakrishnan 2020), so it is above log(1/α) with a probability of at most α. Nats.
 double gain_over_normal(const Eigen::VectorXd& earlier, const Eigen::VectorXd& later);
 
-/// Returns quantiles of a sample, made so that the law that is linear between them has mean 0 and variance 1:
-/// sorted values, as many as the sample's. The sample must not be constant.
+/// Returns quantiles of a sample, made so that the distribution that is linear between them has mean 0 and
+/// variance 1: sorted values, the same number as the sample's. The sample must not be constant.
 Eigen::RowVectorXd standard_quantiles(const Eigen::VectorXd& sample);
 
-/// Inputs that are not normal, found in what drove a clip.
+/// Inputs that are not normal, found in the noise of a clip.
 struct IndependentNoise {
   Eigen::MatrixXd turn;       ///< k × k, orthogonal: s = turn · v, those that are not normal first
   Eigen::MatrixXd marginals;  ///< j × T, 1 ≤ j ≤ k: their standard_quantiles()
 };
 
-/// Finds independent inputs and tells which are not normal. R comes from every second input; an input counts
-/// as not normal where its gain_over_normal() in the others is above log(k / 0.05), so all of a normal clip
-/// is found normal with probability 0.95 or more. R is then refined on all. None where no input passes, or
-/// there are fewer than 8 k + 32 samples. v: k × T, mean 0, covariance I.
+/// Finds independent inputs and those of them that are not normal. R comes from every second input; an input
+/// counts as not normal where its gain_over_normal() in the others is above log(k / 0.05), so all of a normal
+/// clip is found normal with probability 0.95 or more. R is then refined on all. None where no input passes,
+/// or there are fewer than 8 k + 32 samples. v: k × T, mean 0, covariance I.
 std::optional<IndependentNoise> independent_noise(const Eigen::MatrixXd& v,
                                                   const core::Context& context = {});
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The innermost loops of learning, compiled for several instruction sets, of which the best that the machine
-/// has is taken at run time.
+/// The innermost loops of learning, compiled for several instruction sets; the best that the machine has is
+/// selected at run time.
 namespace emberfold::dytex::detail {
 
 enum class Isa { baseline, avx2, avx512 };  ///< avx2: with FMA; avx512: F and BW
@@ -25,10 +25,10 @@ void add_dot_products(Isa isa, const std::int16_t* left, const std::int16_t* rig
 
 /// Rows of a slice.
 constexpr std::size_t kSlice = 32;
-/// Columns of a right factor that are taken together.
+/// Columns of a right factor that are processed together.
 constexpr std::size_t kPanel = 6;
 
-/// A matrix whose entry (i, j) lies at data[(i / kSlice · columns + j) · kSlice + i % kSlice].
+/// A matrix whose entry (i, j) is at data[(i / kSlice · columns + j) · kSlice + i % kSlice].
 struct Slices {
   const float* data;
   std::size_t count, columns;

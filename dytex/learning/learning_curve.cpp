@@ -89,7 +89,7 @@ void find_plateau(LearningCurve& curve, double tolerance) {
   if (from < tail) curve.critical = points[from].length;
 }
 
-/// The products of all pairs of frames, levels², and how many values a frame has.
+/// The products of all pairs of frames, levels², and the number of values in a frame.
 struct ClipGram {
   Eigen::MatrixXd products;  // τ × τ
   std::size_t values = 0;

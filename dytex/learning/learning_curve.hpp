@@ -12,7 +12,7 @@ namespace emberfold::dytex {
 
 struct CurveOptions {
   int components = 20;  ///< n, ≥ 1: fixed, whatever the length
-  int lengths = 32;     ///< 2 … 1000: how many lengths are tried, evenly from n + 2 to the longest
+  int lengths = 32;     ///< 2 … 1000: number of lengths, evenly from n + 2 to the longest
   int targets = 8;      ///< 1 … 1000: frames predicted for each, evenly over the last quarter of the clip
   int longest = 600;    ///< ≥ 1: frames; longer windows are not tried
   double tolerance =
@@ -27,11 +27,11 @@ struct CurvePoint {
   int length = 0;       ///< τ: frames that the model was learned from
   double error = 0;     ///< RMS per value, levels, of frame τ + 1; the mean over all targets
   double spread = 0;    ///< its standard deviation over targets
-  double left_out = 0;  ///< the part that n components cannot show, whatever is predicted; mean over targets
+  double left_out = 0;  ///< the part that n components cannot show under any prediction; mean over targets
 };
 
 struct LearningCurve {
-  std::vector<int> targets;        ///< frames that were predicted, from 0, rising
+  std::vector<int> targets;        ///< predicted frames, from 0, rising
   std::vector<CurvePoint> points;  ///< by rising length
   double plateau = 0;              ///< mean error of the longest quarter of lengths
   std::optional<int>
@@ -42,10 +42,10 @@ struct LearningCurve {
 /// Measures how the prediction error of the next frame falls with the length τ of the training window
 /// (Soatto, Doretto, Wu 2001, section 4.2 and Fig. 2). Every length predicts the same frames, each from the
 /// window that ends just before it, so that lengths differ by length alone. The error follows from the Gram
-/// matrix: with x = Cᵀ (y − ȳ), ‖y − ŷ‖² = ‖y − ȳ‖² − ‖x‖² + ‖x − A x(τ)‖²; pixels are read once. InputError
-/// where the clip is too short (⌊3/4 of its frames⌋ must be n + 3 at least) or too long (5000 frames) or has
-/// a value that is not finite. O(m τ²) once and O(τ³) for each length and target; the same bytes at any
-/// thread count.
+/// matrix: with x = Cᵀ (y − ȳ), ‖y − ŷ‖² = ‖y − ȳ‖² − ‖x‖² + ‖x − A x(τ)‖²; pixels are read once. Throws
+/// InputError where the clip is too short (⌊3/4 of its frames⌋ must be n + 3 at least) or too long (5000
+/// frames) or has a value that is not finite. O(m τ²) once and O(τ³) for each length and target; the same
+/// bytes at any thread count.
 LearningCurve learning_curve(core::FrameSource& source, const CurveOptions& options = {},
                              const core::Context& context = {});
 

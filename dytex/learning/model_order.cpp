@@ -18,7 +18,8 @@ constexpr Eigen::Index kOrdersPerStep = 20;
 // Coefficients of eq. 5 of Gavish, Donoho 2014, from the cube down.
 constexpr double kOmega[] = {0.56, -0.95, 1.82, 1.43};
 
-/// Spectrum of a centred Gram matrix. `size`: the raw matrix's largest entry, the scale of rounding errors.
+/// Finds the spectrum of a centred Gram matrix. `size`: the raw matrix's largest entry, which scales rounding
+/// errors.
 Spectrum centred_spectrum(const Eigen::MatrixXd& centred, double size, double to_levels,
                           Eigen::Index values) {
   const Eigen::Index frames = centred.rows();
@@ -30,7 +31,7 @@ Spectrum centred_spectrum(const Eigen::MatrixXd& centred, double size, double to
   return {to_levels * eigen.values.cwiseSqrt(), eigen.vectors.leftCols(rank)};
 }
 
-/// ‖x(t+1) − A x(t)‖² summed over the frames behind the first `trained`, for n components.
+/// Returns ‖x(t+1) − A x(t)‖² summed over the frames after the first `trained`, for n components.
 double state_error(const Spectrum& found, const Eigen::MatrixXd& seen, Eigen::Index n) {
   const Eigen::Index trained = found.V.rows(), gaps = seen.cols() - 1;
   const auto V = found.V.leftCols(n);
@@ -69,7 +70,7 @@ std::vector<std::pair<int, double>> held_out_errors(const Eigen::MatrixXd& gram,
       centred_spectrum(products.topLeftCorner(trained, trained),
                        gram.diagonal().cwiseAbs().maxCoeff() * to_levels * to_levels, 1, values);
   const Eigen::VectorXd inverse = found.singular.head(found.rank()).cwiseInverse();
-  // States of the last trained frame and those behind it, over S: S⁻² Vᵀ Yᵀ y.
+  // States of the last trained frame and those after it, over S: S⁻² Vᵀ Yᵀ y.
   const Eigen::MatrixXd seen =
       inverse.cwiseAbs2().asDiagonal() * (found.V.transpose() * products.topRightCorner(trained, gaps + 1));
   const double frame_squares = products.diagonal().tail(gaps).sum();

@@ -14,9 +14,9 @@ namespace {
 constexpr Eigen::Index kLeastPast = 2, kMostPast = 10;  // frames of past and of future
 constexpr int kMostRiccatiSteps = 2000;
 constexpr double kRiccatiTolerance = 1e-12;   // relative change of the covariance
-constexpr double kLeastObservability = 1e-6;  // singular value, of the largest: below it a state is not seen
+constexpr double kLeastObservability = 1e-6;  // singular value, of the largest: below it a state is hidden
 
-/// Outputs of `count` frames from `first` on below each other, for `columns` frames one after another.
+/// Stacks outputs of `count` frames from `first` on, for `columns` frames one after another.
 Eigen::MatrixXd hankel(const Eigen::MatrixXd& V, Eigen::Index first, Eigen::Index count,
                        Eigen::Index columns) {
   const Eigen::Index n = V.cols();
@@ -26,7 +26,7 @@ Eigen::MatrixXd hankel(const Eigen::MatrixXd& V, Eigen::Index first, Eigen::Inde
   return result;
 }
 
-/// Projection of the future's rows on the past's.
+/// Projects the future's rows on the past's.
 Eigen::MatrixXd project_future(const Eigen::MatrixXd& future, const Eigen::MatrixXd& past) {
   const Eigen::MatrixXd Q = thin_q(past.transpose());
   return future * Q * Q.transpose();
@@ -96,7 +96,7 @@ std::optional<Innovations> n4sid(const Eigen::MatrixXd& V) {
   try {
     result.K = steady_gain(result.A, off * off.transpose() / count, off * e.transpose() / count,
                            e * e.transpose() / count);
-  } catch (const core::NumericalError&) {  // nothing is left of the outputs
+  } catch (const core::NumericalError&) {  // the outputs leave no residual
     return std::nullopt;
   }
   if (!result.K.allFinite() || !(spectral_radius(result.A) < 1)) return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The singular values among the decompositions: Eigen's divide and conquer takes as long to compile as all
-// others.
+// The singular values, apart from the other decompositions: Eigen's divide and conquer takes as long to
+// compile as all others.
 #include <algorithm>
 #include <limits>
 

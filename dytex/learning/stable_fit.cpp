@@ -18,9 +18,9 @@ constexpr int kGainWindow = 20;         // steps over which the gain is measured
 constexpr double kLeastDescent = 1e-7;  // relative, over the window: a smaller one ends the descent
 constexpr double kFirstPace = 0.5;      // of the fast gradient
 constexpr double kStepGrowth = 1.5;     // of the step length after a step that went down
-constexpr double kStartShrink = 0.99;   // of the bound, to which the least-squares start is brought
+constexpr double kStartShrink = 0.99;   // of the bound, to which the least-squares start is scaled
 
-/// Symmetric, eigenvalues between 0 and `most`.
+/// Clips the eigenvalues of a symmetric matrix to 0 … `most`.
 Eigen::MatrixXd clip_eigenvalues(const Eigen::MatrixXd& matrix, double most) {
   const SymmetricEigen eigen = symmetric_eigen((matrix + matrix.transpose()) / 2);
   return eigen.vectors * eigen.values.cwiseMax(0).cwiseMin(most).asDiagonal() * eigen.vectors.transpose();
@@ -38,7 +38,7 @@ StableForm project_form(const StableForm& form, double most) {
   return {form.S, nearest_orthogonal(form.O), clip_eigenvalues(form.C, most)};
 }
 
-/// S given, the O and C nearest to S A S⁻¹.
+/// Returns, S given, the O and C nearest to S A S⁻¹.
 StableForm form_of(const Eigen::MatrixXd& A, const Eigen::MatrixXd& S, double most) {
   const ThinSvd svd = thin_svd(S * A * inverse(S));  // U s Vᵀ = (U Vᵀ)(V s Vᵀ)
   return {S, svd.U * svd.V.transpose(),
@@ -50,7 +50,7 @@ struct Descent {
   double error = 0;
 };
 
-/// Fast gradient, begun again from where it stands whenever it would go up.
+/// Fast gradient, restarted from the current point whenever it would go up.
 Descent descend(const StableObjective& objective, StableForm start, double most,
                 const core::Context& context) {
   Descent best{std::move(start), 0};

@@ -24,7 +24,7 @@ class Autocorrelation {
  private:
   cv::Size size_;
   int lags_, frames_ = 0;
-  cv::Mat reference_;           // the first frame: all others are told from it, so that little cancels
+  cv::Mat reference_;           // the first frame, subtracted from all others, so that little cancels
   cv::Mat sum_;                 // CV_64F
   std::vector<cv::Mat> first_;  // the first frames, at most lags
   std::vector<cv::Mat> last_;   // the last ones, at most lags, the newest at the end

@@ -8,7 +8,7 @@
 #include "core/error.hpp"
 #include "core/text/size_text.hpp"
 
-/// Checks that the measures of frames share.
+/// Checks that several measures of frames use.
 namespace emberfold::dytex::detail {
 
 /// Throws InputError unless the frame is luma: CV_32F, one channel, not empty.

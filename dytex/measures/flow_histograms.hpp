@@ -9,7 +9,7 @@
 
 namespace emberfold::dytex {
 
-/// The parts of a vector of motion.
+/// The parts of a motion vector.
 enum class FlowPart : std::size_t { x, y, speed };
 
 /// Histograms of a clip's optical flow: of its components with their signs (which separate a clip from its
@@ -18,8 +18,8 @@ class FlowHistograms {
  public:
   static constexpr int kMostSpeed = 64, kBinsPerPixel = 16, kBins = 2 * kMostSpeed * kBinsPerPixel + 1;
 
-  /// Adds a field of motion, CV_32FC2, px a frame, of which every `stride`-th pixel each way is taken.
-  /// Vectors that are not finite are left out. InputError for another type or stride < 1.
+  /// Adds a motion field, CV_32FC2, px a frame, of which every `stride`-th pixel each way is used. Skips
+  /// vectors that are not finite. Throws InputError for another type or stride < 1.
   void add(const cv::Mat& flow, int stride = 1);
   /// Returns the shares of −64 … 64, sum 1; all 0 while nothing was added.
   [[nodiscard]] Eigen::VectorXd shares(FlowPart part) const;
@@ -29,8 +29,8 @@ class FlowHistograms {
                                          Eigen::VectorXd::Zero(kBins)};
 };
 
-/// Returns the Wasserstein distance (of the first kind) of two histograms, px a frame: ∫ |F − G|. InputError
-/// where either has nothing.
+/// Returns the Wasserstein distance (of the first kind) of two histograms, px a frame: ∫ |F − G|. Throws
+/// InputError where either is empty.
 double flow_distance(const FlowHistograms& a, const FlowHistograms& b, FlowPart part);
 /// Returns the largest of the distances of the three parts.
 double flow_distance(const FlowHistograms& a, const FlowHistograms& b);

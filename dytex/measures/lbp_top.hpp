@@ -9,7 +9,7 @@
 
 namespace emberfold::dytex {
 
-/// The planes of a clip that patterns are read in.
+/// The planes of a clip in which patterns are found.
 enum class Plane : std::size_t { xy, xt, yt };
 
 /// Local binary patterns on three orthogonal planes (LBP-TOP: Zhao, Pietikäinen 2007): at every inner pixel
@@ -30,7 +30,7 @@ class BinaryPatterns {
                                          Eigen::VectorXd::Zero(256)};
 };
 
-/// Returns ½ Σ (p − q)²/(p + q), 0 … 1 for shares. InputError for unlike sizes or a negative value.
+/// Returns ½ Σ (p − q)²/(p + q), 0 … 1 for shares. Throws InputError for different sizes or a negative value.
 double chi_square_distance(const Eigen::Ref<const Eigen::VectorXd>& p,
                            const Eigen::Ref<const Eigen::VectorXd>& q);
 

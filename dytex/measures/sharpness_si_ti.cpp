@@ -16,7 +16,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr double kLeastGradient = 1;        // level/px: below it a crease is grain
+constexpr double kLeastGradient = 1;        // level/px: below it a crease is noise
 constexpr int kStepReach = 8;               // px to either side, over which a step's height is measured
 constexpr std::size_t kPixelsPerStep = 50;  // a frame's pixels for each step that counts
 
@@ -52,7 +52,7 @@ std::vector<CreasePoint> crease_points(const core::ImageGradient& g) {
   return points;
 }
 
-// By how much the levels change from where they stop falling to where they stop rising.
+// Returns how much the levels change from where they stop falling to where they stop rising.
 double step_height(const cv::Mat& luma, const core::ImageGradient& g, const CreasePoint& point) {
   const double dx = static_cast<double>(g.x.at<float>(point.y, point.x)) / point.steepness,
                dy = static_cast<double>(g.y.at<float>(point.y, point.x)) / point.steepness;
@@ -78,7 +78,7 @@ double spatial_information(const cv::Mat& luma) {
   check_luma(luma, "spatial information");
   if (luma.cols < 3 || luma.rows < 3) return 0;
   const cv::Mat slope = sobel(luma).size;
-  // P.910 has Sobel's kernels as they are, 8 times the slope.
+  // P.910 uses Sobel's kernels unscaled, 8 times the slope.
   return 8 * deviation(slope(cv::Rect(1, 1, luma.cols - 2, luma.rows - 2)));
 }
 

@@ -16,14 +16,14 @@ double temporal_information(const cv::Mat& luma, const cv::Mat& before);
 struct Sharpness {
   double gradient = 0;   ///< levels/px: mean steepness
   double sharpness = 0;  ///< 1/px: mean of steepness over the height of the step, whatever its contrast
-  int points = 0;        ///< that these are means over
+  int points = 0;        ///< number of points averaged
 };
 /// Measures the sharpness of creases. These are where the gradient (Sobel, levels/px) is largest along its
 /// own direction and at least 1 level/px. The height of the step there is the change of the levels along the
-/// gradient, from where they stop falling to where they stop rising, at most 8 px to either side. The highest
-/// steps are taken, as many as a fiftieth of the frame's pixels: blur takes no height from a step that lies
-/// alone, so that a blurred frame is measured at the same steps and not at the few sharp ones it has kept. A
-/// step smoothed by a Gaussian of SD s has sharpness 1/(s √2π), less as Sobel smooths, too. InputError for
+/// gradient, from where they stop falling to where they stop rising, at most 8 px to either side. Only the
+/// highest steps count, a fiftieth of the frame's pixels in number: blur does not lower an isolated step, so
+/// that a blurred frame is measured at the same steps and not at the few sharp ones it has kept. A step
+/// smoothed by a Gaussian of SD s has sharpness 1/(s √2π), less as Sobel smooths, too. Throws InputError for
 /// another type. O(pixels).
 Sharpness crease_sharpness(const cv::Mat& luma);
 

@@ -122,7 +122,7 @@ Eigen::VectorXd radial_spectrum(const cv::Mat& luma, int rings) {
       window.at<double>(y, x) = w;
       total += w, energy += w * w, weighted += w * static_cast<double>(luma.at<float>(y, x));
     }
-  // Less the mean as the window sees it, or its bright border would leak into the lowest rings.
+  // Subtracts the mean as the window sees it, or its bright border would leak into the lowest rings.
   const double mean = weighted / total;
   cv::Mat values, spectrum;
   luma.convertTo(values, CV_64F);

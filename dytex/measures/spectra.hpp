@@ -13,11 +13,11 @@
 namespace emberfold::dytex {
 
 /// The power spectrum in time by Welch's method (Welch 1967) at every pixel of the luma, averaged over all
-/// pixels. Segments of `segment` frames, half overlapping, each less its mean and under a Hann
-/// window; frames behind the last whole segment do not count. Scaled so that white noise of variance s² has
-/// the power s² at every frequency, but for the first, from which taking the mean takes a sixth. A sinusoid
-/// of amplitude a at frequency k has a² segment / 6 there, a quarter of that at its neighbours. Holds
-/// `segment` frames; O(pixels · segment) a frame.
+/// pixels. Segments of `segment` frames, half overlapping, each less its mean and under a Hann window; frames
+/// after the last whole segment do not count. Scaled so that white noise of variance s² has the power s² at
+/// every frequency but the first, from which subtracting the mean takes a sixth. A sinusoid of amplitude a at
+/// frequency k has a² segment / 6 there, a quarter of that at its neighbours. Holds `segment` frames;
+/// O(pixels · segment) a frame.
 class TemporalSpectrum {
  public:
   /// Throws InputError unless segment is even, 4 … 1024, and the size is at least 1×1.
@@ -37,8 +37,8 @@ class TemporalSpectrum {
   cv::Size size_;
   int segment_;
   int segments_ = 0;
-  Eigen::MatrixXf transform_;    // segment × segment: cosines and sines under the window, blind to a mean
-  std::vector<cv::Mat> frames_;  // of the segment that is open
+  Eigen::MatrixXf transform_;    // segment × segment: cosines and sines under the window, of mean 0
+  std::vector<cv::Mat> frames_;  // of the current segment
   Eigen::VectorXd sum_;
 };
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::string_view kFormat = "emberfold.linear_dynamic_texture";
 constexpr int kVersion = 3;  // of models with marginals; 2 of all others
-// Bounds of what a file may ask for, far above every real model: they keep sizes within 64 bits.
+// Bounds on sizes in a file, far above every real model: they keep sizes within 64 bits.
 constexpr int kMostNesting = 16;  // levels of brackets in model.json
 constexpr std::int64_t kMostVersion = std::int64_t{1} << 31;
 constexpr std::int64_t kMostSide = 65536;  // px
@@ -93,7 +93,7 @@ double number(const nlohmann::json& json, const char* key) {
   return value.get<double>();
 }
 
-/// The version, of those that can be read.
+/// Returns the version, one of those that can be read.
 std::int64_t check_format(const nlohmann::json& json) {
   if (const std::string format = text_entry(json, "format"); format != kFormat)
     fail("\"format\" is " + core::quoted(format) + ", must be \"" + std::string(kFormat) + "\"");
@@ -136,7 +136,7 @@ const core::NpyArray& array_named(const core::ModelArchive& archive, const char*
   return found->second;
 }
 
-/// The numbers of an array whose shape is held against `shape`, of one or two extents.
+/// Returns the numbers of an array whose shape must match `shape`, of one or two extents.
 template <class Stored>
 const std::vector<Stored>& numbers(const core::NpyArray& array, const char* name, const char* types,
                                    const std::vector<std::size_t>& shape) {
@@ -151,7 +151,7 @@ const std::vector<Stored>& numbers(const core::NpyArray& array, const char* name
   return *data;
 }
 
-/// Numbers that lie as their array tells, in columns.
+/// Returns numbers stored in their array's order, in columns.
 template <class Scalar>
 Columns<Scalar> arranged(const std::vector<Scalar>& data, const core::NpyArray& array) {
   const auto rows = static_cast<Eigen::Index>(array.shape[0]);
@@ -170,7 +170,7 @@ Columns<Scalar> read_matrix(const core::ModelArchive& archive, const char* name,
                   array);
 }
 
-/// The mean, or C: float32, float16, or uint8 with its columns' scales and offsets.
+/// Reads the mean, or C: float32, float16, or uint8 with its columns' scales and offsets.
 Columns<float> read_levels(const core::ModelArchive& archive, const std::string& name,
                            const std::vector<std::size_t>& shape) {
   constexpr const char* kTypes = "float32, float16 or uint8";

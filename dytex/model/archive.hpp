@@ -17,10 +17,10 @@ core::ModelView archive_view(const LinearDynamicTexture& texture);
 core::ModelView archive_view(LinearDynamicTexture&&) = delete;
 
 /// Reads a texture from an archive. Throws core::IoError, naming the key or array, its value and what is
-/// expected, for a text that is no JSON, another format, a newer version, a missing key or array, an array of
-/// another type or shape, and anything that validate() refuses. Version 1 had neither weights (ones) nor the
-/// optional arrays. mean and C may be in float16 or uint8 too (compression.hpp). Sizes are checked before
-/// memory is taken. Arrays may lie in either order.
+/// expected, for a text that is not JSON, another format, a newer version, a missing key or array, an array
+/// of another type or shape, and anything that validate() refuses. Version 1 had neither weights (ones) nor
+/// the optional arrays. mean and C may be in float16 or uint8 too (compression.hpp). Sizes are checked before
+/// memory is taken. Arrays may be stored in either order.
 LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive);
 
 }  // namespace emberfold::dytex

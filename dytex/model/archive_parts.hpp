@@ -6,8 +6,8 @@
 
 namespace emberfold::dytex {
 
-/// Makes the view of archive_view() without C, whose rows are written elsewhere; of `texture.C` the number of
-/// columns alone counts. The texture is not validated. It must outlive the view.
+/// Makes the view of archive_view() without C, whose rows are written elsewhere; of `texture.C` only the
+/// number of columns counts. The texture is not validated. It must outlive the view.
 core::ModelView archive_view_without_C(const LinearDynamicTexture& texture);
 core::ModelView archive_view_without_C(LinearDynamicTexture&&) = delete;
 

@@ -84,7 +84,7 @@ void check_frames(const LinearDynamicTexture& texture, const core::ClipInfo& inf
   throw core::InputError("the clip's frames are " + text(info) + ", the model's " + text(own));
 }
 
-/// Σ of parts that are computed each by itself.
+/// Sums parts that are computed separately.
 template <class Value, class Body>
 Value sum_of_parts(Eigen::Index m, Value zero, const Body& body) {
   std::vector<Value> parts(kParts, zero);
@@ -99,7 +99,7 @@ Value sum_of_parts(Eigen::Index m, Value zero, const Body& body) {
   return parts[0];
 }
 
-/// ‖frames − what is drawn of them‖² of some frames, levels, a column each.
+/// Returns ‖frames − their drawing‖² of some frames, levels, a column each.
 double batch_error(const LinearDynamicTexture& texture, const detail::CholeskyFactors& gram,
                    const Eigen::MatrixXf& frames) {
   const Eigen::Index n = texture.components(), m = texture.pixels();
@@ -152,7 +152,7 @@ std::size_t stored_bytes(const LinearDynamicTexture& texture, Eigen::Index compo
   if (components < 0 || components > most)
     throw core::InputError("components is " + std::to_string(components) + "; allowed is 0 to " +
                            std::to_string(most));
-  // The states hold so many numbers for each component, now and before.
+  // The states hold this number of values for each component, now and before.
   const Eigen::Index order = most > 0 ? texture.order() * components / most : texture.order();
   const Eigen::Index inputs = std::min(order, texture.B.cols()), m = texture.pixels();
   const Eigen::Index doubles = order * (order + inputs + texture.states.cols()) + texture.singular.size() +
@@ -179,7 +179,7 @@ Eigen::VectorXd projection_errors(const LinearDynamicTexture& texture, Precision
   const auto [G, D, g, mean_error] = products(texture, kept);
   Eigen::VectorXd left = Eigen::VectorXd::Constant(n + 1, texture.singular.squaredNorm() + tau * mean_error);
   if (n > 0) {
-    // Σ b bᵀ of b = C'ᵀ (y − mean'), less what lies outside C: with G = L Lᵀ the first k components explain
+    // Σ b bᵀ of b = C'ᵀ (y − mean'), less the part outside C: with G = L Lᵀ the first k components explain
     // the first k diagonal entries of L⁻¹ (Σ b bᵀ) L⁻ᵀ.
     const auto states = texture.states.topRows(n);
     const detail::CholeskyFactors root(G);

@@ -28,7 +28,7 @@ std::optional<Precision> precision_of(std::string_view name);
 /// column's range. InputError where the mean leaves f16's range, ±65504.
 core::ModelArchive to_archive(const LinearDynamicTexture& texture, Precision precision);
 
-/// Returns the texture as it is read again from an archive of this precision.
+/// Returns the texture as read again from an archive of this precision.
 LinearDynamicTexture rounded(const LinearDynamicTexture& texture, Precision precision);
 
 /// Counts the bytes of all arrays of a model of `components` of the texture's. The files have 128 more each,
@@ -41,9 +41,8 @@ std::size_t stored_bytes(const LinearDynamicTexture& texture, Eigen::Index compo
 Eigen::VectorXd projection_errors(const LinearDynamicTexture& texture, Precision precision);
 
 /// Measures the mean square error of frames of `source` projected onto all components of `texture`, drawn and
-/// rounded to 8 bits; levels² a value. Components count as they are, without weights.
-/// InputError where frames are of another size or channels, or their number is not that of the training
-/// frames. O(m n) a frame.
+/// rounded to 8 bits; levels² a value. Components count without weights. Throws InputError where frames are
+/// of another size or channels, or their number is not that of the training frames. O(m n) a frame.
 double measured_error(const LinearDynamicTexture& texture, core::FrameSource& source,
                       const core::Context& context = {});
 

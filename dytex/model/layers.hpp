@@ -6,7 +6,7 @@
 #include "core/clip.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
-/// A part of a scene that moves by a model of its own (2003, section 4.1: "different portions or 'layers'"):
+/// A part of a scene that moves by its own model (2003, section 4.1: "different portions or 'layers'"):
 /// learned from the clip with all else held still, edited as any model is, and put back onto the clip.
 namespace emberfold::dytex {
 
@@ -19,8 +19,8 @@ void check_mask(const cv::Mat& mask, const core::ClipInfo& info);
 /// InputError.
 cv::Mat layer_opacity(const cv::Mat& mask, double feather);
 
-/// A source whose pixels outside the mask stay as in the first frame, so that they have no part in what is
-/// learned. Inside is where the mask is not 0.
+/// A source whose pixels outside the mask stay as in the first frame, so that they do not affect learning.
+/// Inside is where the mask is not 0.
 class RegionSource final : public core::FrameSource {
  public:
   /// `source` must outlive it and is rewound. InputError as check_mask().
@@ -42,7 +42,7 @@ void confine(LinearDynamicTexture& texture, const cv::Mat& mask);
 cv::Mat moving_region(const LinearDynamicTexture& texture);
 
 /// Blends a layer into a frame: frame + opacity (layer − frame), rounded. An opacity of 0 leaves the frame's
-/// bytes, 1 gives the layer's. `frame`, changed in place, and `layer`: CV_8U of one size and as many
+/// bytes, 1 gives the layer's. `frame`, changed in place, and `layer`: CV_8U of one size and number of
 /// channels; opacity: CV_32F of that size; else InputError. O(m).
 void put_layer(cv::Mat& frame, const cv::Mat& layer, const cv::Mat& opacity);
 

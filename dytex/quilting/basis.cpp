@@ -18,10 +18,10 @@ constexpr Eigen::Index kSample = 4096;        // pixels that the basis is learne
 constexpr Eigen::Index kBlock = 512;          // rows or pixels of one task
 constexpr Eigen::Index kExtraDirections = 8;  // of the random start (Halko, Martinsson, Tropp 2011: 5 to 10)
 constexpr int kPowerRounds = 2;               // of subspace iteration (same paper: 1 or 2)
-constexpr double kDependent = 1e-6;           // of a column's length: what is left of a dependent one
-constexpr double kLeastVariance = 1e-12;      // of the sum of all; directions below it are none
+constexpr double kDependent = 1e-6;           // of a column's length: residual of a dependent one
+constexpr double kLeastVariance = 1e-12;      // of the sum of all; directions below it are dropped
 
-// `count` pixels from `first` on, in chunk `chunk`, as columns of floats.
+// Loads `count` pixels from `first` on, in chunk `chunk`, as columns of floats.
 void load(const Trajectories& source, int chunk, std::size_t first, Eigen::Index count,
           Eigen::Ref<Eigen::MatrixXf> out) {
   const auto course = source.course();
@@ -70,7 +70,7 @@ Eigen::MatrixXf product(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen:
   return out;
 }
 
-// An orthonormal basis of the columns' span: Gram–Schmidt, twice; what is as good as dependent is left out.
+// An orthonormal basis of the columns' span: Gram–Schmidt, twice; nearly dependent columns are dropped.
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd q(columns.rows(), columns.cols());
   Eigen::Index kept = 0;
@@ -109,7 +109,7 @@ Basis fit_basis(std::span<const Trajectories* const> sources, int components, st
 
 namespace {
 
-// Coefficients of some pixels from `first` on, and the norm of what they leave.
+// Returns the coefficients of some pixels from `first` on, and the norms of their residuals.
 void project_pixels(const Trajectories& source, const Basis& basis, std::size_t first, Eigen::Index count,
                     std::vector<cv::Mat>& planes) {
   const auto course = static_cast<Eigen::Index>(source.course());

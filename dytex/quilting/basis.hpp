@@ -18,17 +18,17 @@ namespace emberfold::dytex::detail {
 struct Basis {
   Eigen::MatrixXf directions;
   Eigen::VectorXf mean;
-  bool complete = false;  ///< there are no directions; nothing is left over
+  bool complete = false;  ///< there are no directions and no residual
 };
 
 /// Fits the basis to at most 4096 pixels drawn from all sources by randomised subspace iteration (Halko,
-/// Martinsson & Tropp 2011), 8 directions more than asked for and two rounds. Fewer than `components` where
-/// the trajectories have no more; complete where they have at most that many values. Sources agree in all but
-/// their size.
+/// Martinsson & Tropp 2011), with 8 extra directions and two rounds. Fewer than `components` where the
+/// trajectories have no more; complete where they have at most that number of values. Sources agree in all
+/// but their size.
 Basis fit_basis(std::span<const Trajectories* const> sources, int components, std::uint64_t seed);
 
 /// Projects the sources onto the basis: for each its planes, CV_32F of its size. k coefficients a = Uᵀ(s − μ)
-/// and, unless complete, the norm r of what they leave, less a constant. As U is orthonormal, ‖Δa‖² + (r₁ −
+/// and, unless complete, the norm r of their residual, less a constant. As U is orthonormal, ‖Δa‖² + (r₁ −
 /// r₂)² ≤ ‖s₁ − s₂‖² ≤ ‖Δa‖² + (r₁ + r₂)². O(pixels · D · k).
 std::vector<std::vector<cv::Mat>> project_trajectories(std::span<const Trajectories* const> sources,
                                                        const Basis& basis, const core::Context& context);

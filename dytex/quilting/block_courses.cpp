@@ -7,7 +7,7 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-// On a torus: how far a pixel lies from a block's corner, counted the way that is nearer to the block.
+// Returns, on a torus, the offset of a pixel from a block's corner, in the direction that is shorter.
 int offset_in(int pixel, int begin, int length, int around) {
   int offset = (pixel - begin) % around;
   if (offset < 0) offset += around;

@@ -10,10 +10,10 @@
 #include "dytex/quilting/blocks.hpp"
 #include "dytex/quilting/quilt.hpp"
 
-/// Which block each pixel of a quilt shows at each time. Inner header of quilting.
+/// The block that each pixel of a quilt shows at each time. Inner header of quilting.
 namespace emberfold::dytex::detail {
 
-/// A block where it lies and where it comes from.
+/// A block, its place and its source.
 struct PlacedBlock {
   cv::Rect place;
   SourcePixel from;  ///< of its upper left corner
@@ -25,7 +25,7 @@ struct BlockChange {
 };
 
 /// For each pixel of the output the blocks that it shows, one after the other. Blocks are numbered in the
-/// order of `placed`; a block may show beyond its own place, wherever its source goes on.
+/// order of `placed`; a block may show beyond its own place, as far as its source extends.
 class BlockCourses {
  public:
   /// `shown`: the block of each pixel at all times, row by row.
@@ -34,7 +34,7 @@ class BlockCourses {
   [[nodiscard]] cv::Size size() const { return size_; }
   [[nodiscard]] bool wraps() const { return wraps_; }
   [[nodiscard]] const std::vector<PlacedBlock>& placed() const { return placed_; }
-  /// Returns the source pixel that a block shows, or would show, at an output pixel; it may lie outside.
+  /// Returns the source pixel that a block shows, or would show, at an output pixel; it may be outside.
   [[nodiscard]] SourcePixel source_of(std::int32_t block, cv::Point pixel) const;
 
   /// Writes the block shown at the first frame of each span of time.

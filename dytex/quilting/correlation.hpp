@@ -13,7 +13,7 @@ namespace emberfold::dytex::detail {
 /// tiles whose transforms are kept, so that a query is transformed once, at the size of a tile.
 class Correlator {
  public:
-  /// `planes`: CV_32F, of one size. Queries are between `least` and `most` large.
+  /// `planes`: CV_32F, of one size. Sizes of queries are between `least` and `most`.
   Correlator(const std::vector<cv::Mat>& planes, cv::Size least, cv::Size most);
 
   /// Returns E at every place u where the query fits, CV_32F of (height − query height + 1) × (width − query

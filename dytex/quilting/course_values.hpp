@@ -23,7 +23,7 @@ class CourseValues {
   [[nodiscard]] std::size_t channels() const {
     return static_cast<std::size_t>(sources_.front().trajectories->info().channels);
   }
-  /// Tells whether a pixel lies in its source and may be copied.
+  /// Returns whether a pixel is inside its source and may be copied.
   [[nodiscard]] bool may_show(const SourcePixel& at) const;
   /// Writes frames begin … end − 1 of a pixel to out[0 …], in a frame the channels.
   void copy(const SourcePixel& at, int begin, int end, CourseValue* out) const;

@@ -16,10 +16,10 @@ namespace emberfold::dytex {
 
 namespace {
 
-constexpr double kGuideShare = 0.25;     // SD of the guide, of sigma: what is finer is detail
+constexpr double kGuideShare = 0.25;     // SD of the guide, of sigma: finer structure is detail
 constexpr double kLeastVariance = 1e-8;  // of white squared: a frame without any structure
 
-// Wide means, taken on a smaller picture where nothing is lost by that.
+// Wide means, taken on a smaller picture where that loses nothing.
 class Surroundings {
  public:
   Surroundings(cv::Size frame, double sigma)
@@ -56,7 +56,7 @@ double median(const cv::Mat1f& values) {
   return double{*middle};
 }
 
-// The light that falls on one channel.
+// Returns the light on one channel.
 cv::Mat light(const cv::Mat& levels, double sigma, double white) {
   const Surroundings around(levels.size(), sigma);
   const cv::Mat small = around.reduced(levels), guide = around.mean(small, kGuideShare);

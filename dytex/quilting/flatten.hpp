@@ -7,10 +7,10 @@
 
 namespace emberfold::dytex {
 
-/// Takes the light out of a frame: each pixel less the light that falls there, plus the frame's mean, channel
-/// by channel. The light is a guided filter's estimate (He, Sun & Tang 2013) over Gaussian surroundings of SD
+/// Removes uneven light from a frame: each pixel less the light there, plus the frame's mean, channel by
+/// channel. The light is a guided filter's estimate (He, Sun & Tang 2013) over Gaussian surroundings of SD
 /// `sigma` px, mirrored at the border: smooth where levels change as usual, and with a step where a large
-/// thing ends, so that none gets a halo. Light that falls off across a source makes a quilt look blocky. Of
+/// object ends, so that none gets a halo. Light that falls off across a source makes a quilt look blocky. Of
 /// the frame's own type, rounded and held between 0 and white. O(pixels).
 cv::Mat flatten(const cv::Mat& frame, const core::ClipInfo& info, double sigma);
 

@@ -19,7 +19,7 @@ MinCut::MinCut(std::size_t nodes, std::size_t edges) : nodes_(nodes) {
 }
 
 void MinCut::add_costs(std::int32_t i, std::int32_t on_first, std::int32_t on_second) {
-  // A node on the first side parts with the second terminal: what both sides cost alike flows at once.
+  // A node on the first side is cut from the second terminal: the cost common to both sides flows at once.
   std::int32_t& room = node(i).room;
   if (room > 0)
     on_second += room;
@@ -53,7 +53,7 @@ std::int32_t MinCut::next_awake() {
   return -1;
 }
 
-// Lets a tree grow from one of its nodes; returns the arc that leads from the first tree into the second.
+// Grows a tree from one of its nodes; returns the arc that leads from the first tree into the second.
 std::int32_t MinCut::grow(std::int32_t i) {
   const Node own = node(i);
   for (std::int32_t a = own.first; a >= 0; a = arc(a).next) {
@@ -68,7 +68,7 @@ std::int32_t MinCut::grow(std::int32_t i) {
     } else if (next.in_second != own.in_second) {
       return own.in_second ? a ^ 1 : a;
     } else if (next.time <= own.time && next.distance > own.distance) {
-      next.parent = a ^ 1;  // a shorter way to the root
+      next.parent = a ^ 1;  // a shorter path to the root
       next.time = own.time;
       next.distance = own.distance + 1;
     }
@@ -116,7 +116,7 @@ void MinCut::orphan(std::int32_t i, bool at_front) {
     orphans_.push_back(i);
 }
 
-// Length of the way to the terminal; kNever where it ends at an orphan.
+// Returns the length of the path to the terminal; kNever where it ends at an orphan.
 std::int32_t MinCut::distance_to_root(std::int32_t i) {
   std::int32_t distance = 0;
   for (;;) {
@@ -133,7 +133,7 @@ std::int32_t MinCut::distance_to_root(std::int32_t i) {
   }
 }
 
-// Finds an orphan a new parent in its tree, or sets it free.
+// Finds a new parent for an orphan in its tree, or sets it free.
 void MinCut::adopt(std::int32_t i) {
   const bool second = node(i).in_second;
   std::int32_t best = kFree, least = kNever;

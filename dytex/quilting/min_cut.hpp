@@ -9,22 +9,21 @@
 /// Minimum cuts. Inner header of quilting.
 namespace emberfold::dytex::detail {
 
-/// A graph whose nodes are parted into a first and a second side so that the cost of what is parted is least:
-/// the augmenting paths of Boykov & Kolmogorov (2004), whose two search trees are kept from path to path.
-/// Costs are whole numbers, so that the cut is exact; the sum of all has to stay below 2³¹ at any node.
+/// A graph whose nodes are divided into a first and a second side at the least cost of the edges cut: the
+/// augmenting paths of Boykov & Kolmogorov (2004), whose two search trees are kept from path to path. Costs
+/// are whole numbers, so that the cut is exact; the sum of all has to stay below 2³¹ at any node.
 class MinCut {
  public:
   explicit MinCut(std::size_t nodes, std::size_t edges = 0);
 
   /// Adds the costs of a node on the first and on the second side, ≥ 0.
   void add_costs(std::int32_t node, std::int32_t on_first, std::int32_t on_second);
-  /// Adds the costs of a pair that is parted, ≥ 0: `a` on the first side and `b` on the second, and the other
-  /// way.
+  /// Adds the costs of a pair that is cut, ≥ 0: `a` on the first side and `b` on the second, and the reverse.
   void add_edge(std::int32_t a, std::int32_t b, std::int32_t cost, std::int32_t reverse_cost);
 
   /// Finds the cut and returns its cost. To be called once.
   std::int64_t solve();
-  /// Tells the side of a node; of several least cuts that with the smallest first side.
+  /// Returns whether a node is on the second side; of several least cuts that with the smallest first side.
   [[nodiscard]] bool is_second(std::int32_t node) const;
 
  private:
@@ -40,7 +39,7 @@ class MinCut {
 
   Node& node(std::int32_t i) { return nodes_[static_cast<std::size_t>(i)]; }
   Arc& arc(std::int32_t a) { return arcs_[static_cast<std::size_t>(a)]; }
-  // What can still flow through an arc of `side`'s tree, away from the first terminal.
+  // Returns the capacity that remains on an arc of `side`'s tree, away from the first terminal.
   std::int32_t& room_up(std::int32_t a, bool second) { return arc(second ? a : a ^ 1).room; }
   void wake(std::int32_t i);
   std::int32_t next_awake();

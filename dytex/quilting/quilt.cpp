@@ -51,7 +51,7 @@ namespace {
 using detail::BlockQuery;
 using detail::QuiltBlock;
 
-/// The output while it grows.
+/// The output during quilting.
 class Canvas {
  public:
   explicit Canvas(const detail::BlockPlan& plan)
@@ -122,13 +122,13 @@ class Canvas {
     SourcePixel from;
     cv::Point at;
   };
-  // A guide goes on as at its border where blocks reach beyond it, or begins again on a torus.
+  // A guide repeats its border where blocks reach beyond it, or starts again on a torus.
   [[nodiscard]] int place(int i, int size) const { return plan_.wraps ? i % size : std::min(i, size - 1); }
   Corner& corner(int column, int row) {
     return corners_[static_cast<std::size_t>(row) * static_cast<std::size_t>(plan_.columns) +
                     static_cast<std::size_t>(column)];
   }
-  // The places of the blocks around that were placed before this one, whatever the threads do.
+  // Returns the places of the blocks around that were placed before this one, at any number of threads.
   std::vector<SourcePixel> places_near(const QuiltBlock& block) {
     std::vector<SourcePixel> places;
     for (const cv::Point step :
@@ -146,7 +146,7 @@ class Canvas {
   std::vector<Corner> corners_;
 };
 
-// Seams between what is there and the block that was chosen.
+// Cuts seams between earlier blocks and the chosen block.
 cv::Mat cut_block(const detail::BlockSearch& search, const BlockQuery& query, const SourcePixel& at) {
   const cv::Size size = query.block.place.size();
   if (query.there.empty()) return {size, CV_8U, cv::Scalar(255)};

@@ -24,9 +24,9 @@ struct QuiltOptions {
   int components = 16;      ///< k, of the basis in which blocks are compared, 1 … 256
   double tolerance = 0.1;  ///< blocks with an error up to (1 + tolerance) times the least are equals, 0 … 10
   double floor = 1;        ///< and so are those below this RMS error, levels of 255, 0 … 255
-  int apart = 0;  ///< px: places nearer than this to what blocks nearby show are left out, 0 … 4096
+  int apart = 0;  ///< px: places nearer than this to those that blocks nearby show are excluded, 0 … 4096
   double guide_weight = 0.5;  ///< of the guide against the overlap, 0 … 0.99
-  bool tileable = false;      ///< the output's sides fit each other
+  bool tileable = false;      ///< the output tiles seamlessly
   Seams seams = Seams::still;
   bool exact = false;  ///< compare every place over all of time, without the basis: slow
   std::uint64_t seed = 1;
@@ -47,16 +47,16 @@ struct QuiltChoice {
   int column = 0, row = 0;
   SourcePixel at;             ///< the block's upper left corner in the source
   double error = 0;           ///< Σ of squared differences over the overlap and all of time
-  std::int64_t equals = 0;    ///< how many places were within the tolerance
-  std::int64_t compared = 0;  ///< how many were compared over all of time
-  bool continues = false;     ///< it only goes on where its left or upper neighbour ends
+  std::int64_t equals = 0;    ///< number of places within the tolerance
+  std::int64_t compared = 0;  ///< number of places compared over all of time
+  bool continues = false;     ///< it only extends its left or upper neighbour
 };
 
 struct QuiltRun {
   cv::Mat guide;  ///< CV_32F of the output's size, or empty
-  /// Blocks placed by an earlier run with the same input and options, in its order: not sought again.
+  /// Blocks placed by an earlier run with the same input and options, in its order: not searched again.
   std::span<const QuiltChoice> placed;
-  /// Called with all blocks placed so far from time to time; what is kept survives a cancel.
+  /// Called with all blocks placed so far from time to time; saved blocks survive a cancel.
   std::function<void(std::span<const QuiltChoice>)> keep;
 };
 
@@ -72,11 +72,11 @@ struct QuiltResult {
 /// places whose squared difference over the overlap, summed over time and channels, is within the tolerance
 /// of the least one; it is cut along seams of least error, the same in every frame. Seams::moving then lets
 /// the seams move in space and time (as minimum cuts, Kwatra et al. 2003), wherever blocks have been placed.
-/// The search works in a basis of rank k whose bounds leave over the places to be compared exactly: what is
-/// chosen is what an exhaustive search chooses. With one frame this is quilting of still images.
+/// The search works in a basis of rank k whose bounds select the places to compare exactly: it chooses as an
+/// exhaustive search would. With one frame this is quilting of still images.
 ///
-/// Sources agree in frames, channels and depth, and chunk_frames. InputError where they do not, where none of
-/// them holds a block, or where the mask forbids every place. The same result at any thread count.
+/// Sources agree in frames, channels and depth, and chunk_frames. Throws InputError where they do not, where
+/// none of them holds a block, or where the mask forbids every place. The same result at any thread count.
 /// O(blocks · (k · pixels + compared · overlap · frames)).
 QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& options,
                   const core::Context& context = {}, const QuiltRun& run = {});

@@ -9,7 +9,7 @@
 /// Checks before and while blocks are laid. Inner header of quilting.
 namespace emberfold::dytex::detail {
 
-/// Throws InputError where sources, masks, guides and options do not go together.
+/// Throws InputError where sources, masks, guides and options do not fit together.
 void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& options, const QuiltRun& run);
 
 /// Returns a block that an earlier run placed. Throws InputError unless it is one that this run could place.

@@ -55,7 +55,7 @@ MapRow row_at(const std::vector<std::int32_t>& values, std::size_t row) {
   return {v[0], v[1], v[2], {v[3], v[4], v[5]}};
 }
 
-// The first row tells frames, height, width and the version.
+// Reads a map whose first row is frames, height, width and the version.
 QuiltMap moving_map(const std::vector<std::int32_t>& values, std::span<const cv::Size> sources) {
   const MapRow head = row_at(values, 0);
   const std::size_t rows = values.size() / kColumns;

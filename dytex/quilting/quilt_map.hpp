@@ -25,7 +25,7 @@ struct SourceChange {
 };
 
 /// The source pixel that each output pixel copies, row by row. Quilting finds it; rendering needs nothing
-/// else. Where seams move, pixels change what they copy with the frame of the source.
+/// else. Where seams move, the copied pixel changes with the frame of the source.
 struct QuiltMap {
   cv::Size size;
   std::vector<SourcePixel> pixels;  ///< from frame 0 on
@@ -42,26 +42,26 @@ struct QuiltMap {
   [[nodiscard]] const SourcePixel& at(int x, int y) const { return pixels[index(x, y)]; }
   /// Returns the changes of a pixel.
   [[nodiscard]] std::span<const SourceChange> changes_of(std::size_t pixel) const;
-  /// Returns what a pixel copies of the source's frame `frame`. O(log of its changes).
+  /// Returns the pixel copied from the source's frame `frame`. O(log of its changes).
   [[nodiscard]] const SourcePixel& at_frame(std::size_t pixel, int frame) const;
   bool operator==(const QuiltMap&) const = default;
 };
 
-/// Tells whether two output pixels, neighbours by `step`, are copies of neighbours by the same step: no seam.
+/// Returns whether two output pixels, neighbours by `step`, copy neighbours by the same step: no seam.
 [[nodiscard]] inline bool continues(const SourcePixel& a, const SourcePixel& b, cv::Point step) {
   return a.source == b.source && a.x + step.x == b.x && a.y + step.y == b.y;
 }
 
-/// Returns what the pixels copy of one frame, for all frames.
+/// Returns the map of one frame as a map whose seams stand still.
 QuiltMap still_at(const QuiltMap& map, int frame);
 
 /// Returns the map as an int32 array. Version 1, of a map whose seams stand still: height × width × 3
 /// (source, x, y). Version 2: rows × 6 (t, y, x, source, x, y), for each pixel one row for frame 0 and one
-/// for each change, ordered by y, x and t, behind a first row of frames, height, width, 2, 0, 0.
+/// for each change, ordered by y, x and t, after a first row of frames, height, width, 2, 0, 0.
 core::NpyArray to_array(const QuiltMap& map);
 
-/// Reads a map of either version from an array. InputError unless it is one of to_array(), at least 1×1, and
-/// every place lies in a source of these sizes.
+/// Reads a map of either version from an array. Throws InputError unless it is one of to_array(), at least
+/// 1×1, and every place is inside a source of these sizes.
 QuiltMap quilt_map(const core::NpyArray& array, std::span<const cv::Size> sources);
 
 }  // namespace emberfold::dytex

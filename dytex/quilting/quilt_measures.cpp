@@ -15,7 +15,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-// Sizes of the connected pieces without a seam.
+// Size of the largest connected piece without a seam.
 std::size_t largest_piece(const QuiltMap& map) {
   std::vector<std::size_t> parent(map.pixels.size()), count(map.pixels.size(), 1);
   std::iota(parent.begin(), parent.end(), std::size_t{0});
@@ -68,7 +68,7 @@ const float* at_pixel(const cv::Mat& levels, int x, int y) {
   return levels.ptr<float>(y) + static_cast<std::ptrdiff_t>(x) * levels.channels();
 }
 
-// Steps between neighbours in a frame; `still` is what is copied of it.
+// Measures steps between neighbours in a frame; `still`: the map at that frame.
 Steps steps_in_space(const QuiltMap& still, const cv::Mat& levels) {
   Steps steps;
   for (int y = 0; y < still.size.height; ++y)
@@ -82,7 +82,7 @@ Steps steps_in_space(const QuiltMap& still, const cv::Mat& levels) {
   return steps;
 }
 
-// Steps from a frame to the next.
+// Measures steps from a frame to the next.
 Steps steps_in_time(const QuiltMap& now, const QuiltMap& next, const cv::Mat& levels, const cv::Mat& after) {
   Steps steps;
   for (int y = 0; y < now.size.height; ++y)

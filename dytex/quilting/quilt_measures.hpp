@@ -9,10 +9,10 @@ namespace emberfold::dytex {
 
 /// Figures of a quilt: how much is copied and how visible seams are.
 struct QuiltMeasures {
-  double verbatim_blocks = 0;  ///< share of the blocks that only go on where a neighbour ends, 0…1
-  double largest_piece = 0;    ///< the largest connected piece copied as it is, as a share of the output
+  double verbatim_blocks = 0;  ///< share of the blocks that only extend a neighbour, 0…1
+  double largest_piece = 0;    ///< the largest connected piece copied unchanged, as a share of the output
   double source_share = 0;     ///< share of the source pixels that show somewhere
-  double seam_share = 0;       ///< share of neighbouring output pixels that are no neighbours in the source
+  double seam_share = 0;       ///< share of neighbouring output pixels that are not neighbours in the source
   double seam_step = 0;        ///< mean size of the step between these, levels of 255, over time and channels
   double other_step = 0;       ///< the same between all others
   double change_share = 0;     ///< share of pixels that copy another place in the next frame: seams that move

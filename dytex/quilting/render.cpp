@@ -170,7 +170,7 @@ struct Times {
   double first = 0, last = 0;
 };
 
-// The earliest and latest moment that an output frame may need.
+// The earliest and latest time that an output frame may need.
 Times times_of(const TimeControl& control, std::int64_t t) {
   double slow = 1, fast = 1, early = 0, late = 0;
   if (!control.rate.empty()) cv::minMaxLoc(control.rate, &slow, &fast);

@@ -40,14 +40,14 @@ struct FrameTime {
 /// Locates `time` in a clip of `frames` ≥ 1. With BetweenFrames::nearest the weight is 0.
 FrameTime frame_time(double time, int frames, BetweenFrames between, ClipEnds ends);
 
-/// Draws time offsets that differ smoothly from place to place, so that copies of one source block do not
-/// change all at once: independent and uniform in ±`frames` at the points of a grid `spacing` px apart, cubic
-/// in between. CV_32F.
+/// Draws time offsets that differ smoothly from place to place, so that copies of one source block do not all
+/// change at once: independent and uniform in ±`frames` at the points of a grid `spacing` px apart, cubic in
+/// between. CV_32F.
 cv::Mat time_jitter(cv::Size size, cv::Size spacing, double frames, std::uint64_t seed);
 
 /// Renders output frames `first` … `first` + `count` − 1, of the sources' depth and channels. A pixel whose
-/// time is a frame of the source is copied bit by bit. Frames of a chunk come cheapest together. The map's
-/// places have to lie in these sources, which agree in all but their size.
+/// time is a frame of the source is copied bit by bit. Rendering the frames of a chunk together is cheapest.
+/// The map's places have to be inside these sources, which agree in all but their size.
 std::vector<cv::Mat> render_quilt(const QuiltMap& map, std::span<const Trajectories* const> sources,
                                   const TimeControl& control, std::int64_t first, int count);
 
@@ -58,9 +58,9 @@ class QuiltStream {
   /// All must outlive the stream. InputError where the sources differ in more than size, or streamable() is
   /// none.
   QuiltStream(const QuiltMap& map, std::vector<core::FrameSource*> sources, const TimeControl& control);
-  /// Renders the next frame; behind the end of the sources the last one again.
+  /// Renders the next frame; after the end of the sources the last one again.
   cv::Mat next();
-  /// Tells whether a source ended before the times of the frame that next() gave last.
+  /// Returns whether a source ended before the times of the last frame of next().
   [[nodiscard]] bool ended() const { return ended_; }
 
  private:
@@ -80,7 +80,7 @@ class QuiltStream {
 };
 
 /// Returns the most frames that a QuiltStream of `frames` output frames holds. None where times run
-/// backwards, or come again at the ends.
+/// backwards, or recur at the ends.
 std::optional<std::int64_t> streamable(const TimeControl& control, std::int64_t frames);
 
 }  // namespace emberfold::dytex

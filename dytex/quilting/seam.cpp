@@ -10,7 +10,7 @@ namespace emberfold::dytex::detail {
 std::vector<int> least_seam(const cv::Mat& cost) {
   cv::Mat sum = cost.clone();
   const int columns = cost.cols;
-  // The best column to come from: the least of up to three, the leftmost of equals.
+  // Returns the best previous column: the least of up to three, the leftmost of equals.
   const auto before = [&](int y, int x) {
     const auto* row = sum.ptr<double>(y - 1);
     const int first = std::max(0, x - 1), last = std::min(columns - 1, x + 1);
@@ -34,7 +34,7 @@ double seam_cost(const cv::Mat& cost, const std::vector<int>& seam) {
 
 namespace {
 
-// Hides what lies on the outer side of the seam in a strip along the left side.
+// Hides the outer side of the seam in a strip along the left side.
 void cut_left(const cv::Mat& error, cv::Mat mask, int width) {
   const auto seam = least_seam(error.colRange(0, width));
   for (int y = 0; y < mask.rows; ++y) mask.row(y).colRange(0, seam[static_cast<std::size_t>(y)]).setTo(0);

@@ -10,8 +10,8 @@
 /// Minimum-error seams (Efros & Freeman 2001, section 2.1). Inner header of quilting.
 namespace emberfold::dytex::detail {
 
-/// Finds the path of least cost (CV_64F) from the first row to the last: a column each, neighbours at most
-/// one apart. Of equals the leftmost, from the last row upwards.
+/// Finds the path of least cost (CV_64F) from the first row to the last: a column each, at most one from its
+/// neighbours. Of equals the leftmost, from the last row upwards.
 std::vector<int> least_seam(const cv::Mat& cost);
 
 /// Returns the sum of the costs along a seam.

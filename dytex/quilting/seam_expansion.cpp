@@ -19,7 +19,8 @@ struct PairCosts {
   std::int32_t old_old, old_new, new_old;
 };
 
-// Adds a pair to a cut whose second side takes the block; −1 for what is no node and keeps what it shows.
+// Adds a pair to a cut whose second side takes the block; −1 for a pixel that is not a node and keeps its
+// block.
 void add_pair(MinCut& cut, std::int32_t s, std::int32_t t, const PairCosts& cost) {
   if (t < 0) {
     cut.add_costs(s, cost.old_old, cost.new_old);
@@ -29,7 +30,7 @@ void add_pair(MinCut& cut, std::int32_t s, std::int32_t t, const PairCosts& cost
     cut.add_costs(s, cost.old_old, 0);
     cut.add_edge(s, t, cost.old_new - cost.old_old, cost.new_old);
   } else {
-    // Where the seam that is there costs more than both new ones no cut tells that: these are then made
+    // A cut cannot express an existing seam that costs more than both new ones: the new ones are then made
     // dearer.
     cut.add_costs(s, cost.old_new, 0);
     cut.add_costs(t, cost.old_old - cost.old_new, 0);
@@ -68,8 +69,8 @@ int SeamExpansion::end(std::size_t span) const {
   return span + 1 < spans_ ? begins_[span + 1] : values_.frames();
 }
 
-// Pixels that the block may take. Those at the window's border keep what they show, as their neighbours
-// outside are not looked at; at the output's border there are none.
+// Returns the pixels that the block may take. Those at the window's border keep their block, as their
+// neighbours outside are not considered; at the output's border there are none.
 std::vector<bool> SeamExpansion::open_pixels() const {
   const cv::Size size = courses_.size();
   const bool flat = !courses_.wraps();
@@ -100,7 +101,7 @@ void SeamExpansion::find_nodes(int band) {
   }
 }
 
-// Gives room for values to all pixels that have a node or lie beside one that has.
+// Allocates room for values to all pixels that have a node or are adjacent to one that has.
 void SeamExpansion::find_slots() {
   slot_.assign(pixels(), -1);
   for (std::size_t p = 0; p < pixels(); ++p) {
@@ -151,7 +152,7 @@ void SeamExpansion::add_neighbours(MinCut& cut, std::size_t p, std::size_t r) co
   }
 }
 
-// The same in time: between the last frame of a span and the first of the next.
+// Adds pairs in time: between the last frame of a span and the first of the next.
 void SeamExpansion::add_moments(MinCut& cut, std::size_t p) const {
   if (slot_[p] < 0) return;
   for (std::size_t q = 0; q + 1 < spans_; ++q) {

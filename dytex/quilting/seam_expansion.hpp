@@ -15,18 +15,18 @@
 /// Moves of seams in x, y and t. Inner header of quilting.
 namespace emberfold::dytex::detail {
 
-/// Spans of source frames in which a seam stands still: where each begins, ascending from 0.
+/// Spans of source frames in which a seam does not move: where each begins, ascending from 0.
 using SpanBegins = std::vector<int>;
 
 /// Part of the output within which a block may take pixels.
 struct SeamWindow {
   cv::Rect place;  ///< inside of the output; on a torus it may reach beyond its borders by less than its size
-  int band = 0;    ///< px from what the block shows already; 0: all of the window
+  int band = 0;    ///< px from the pixels that the block shows already; 0: all of the window
 };
 
 /// The move of one block: of all ways in which it can take pixels, in some spans, from those around it, the
-/// one that leaves the least cost of seams (an expansion, Boykov, Veksler & Zabih 2001). The cost of a pair
-/// of neighbours in x, y or t that show different blocks is the squared difference of what they show, and a
+/// one that minimises the cost of seams (an expansion, Boykov, Veksler & Zabih 2001). The cost of a pair of
+/// neighbours in x, y or t that show different blocks is the squared difference of their values, plus a
 /// little for each, so that seams do not wander where nothing differs. Seams that the block covers cost no
 /// more. Never worse than before.
 class SeamExpansion {
@@ -34,11 +34,11 @@ class SeamExpansion {
   SeamExpansion(const BlockCourses& courses, const CourseValues& values, const SeamWindow& window,
                 std::int32_t block, const SpanBegins& begins);
 
-  /// Tells whether there is anything to take.
+  /// Returns whether there are pixels to take.
   [[nodiscard]] bool is_needed() const { return nodes_ > 0; }
   /// Finds the best move.
   void solve();
-  /// Writes what it found.
+  /// Writes the best move.
   void write(BlockCourses& courses) const;
 
  private:
@@ -66,9 +66,9 @@ class SeamExpansion {
   std::size_t spans_, course_;
   std::int64_t unit_ = 1;                   // squared steps of a unit of cost
   std::vector<std::int32_t> shown_, node_;  // by pixel and span: the block, and the node or −1
-  std::vector<std::int32_t> slot_;          // by pixel: where its values lie, or −1
+  std::vector<std::int32_t> slot_;          // by pixel: index of its values, or −1
   std::int32_t nodes_ = 0, slots_ = 0;
-  std::vector<CourseValue> old_, new_;  // by slot: what is shown, what the block would show
+  std::vector<CourseValue> old_, new_;  // by slot: values shown, values of the block
 };
 
 }  // namespace emberfold::dytex::detail

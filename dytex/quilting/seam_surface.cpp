@@ -28,7 +28,7 @@ std::vector<Sweep> plan_sweeps(int frames) {
   return sweeps;
 }
 
-// Spans of nearly equal length; those of twice as many lie within them.
+// Returns spans of nearly equal length; doubling their number subdivides them.
 SpanBegins span_begins(int frames, int spans) {
   SpanBegins begins;
   for (int q = 0; q < spans; ++q)
@@ -44,8 +44,8 @@ cv::Rect window_of(const BlockCourses& courses, const cv::Rect& place) {
           std::min(wide.height, courses.size().height)};
 }
 
-// Blocks whose windows share no pixel, group after group, so that threads may move those of a group at once.
-// On a torus blocks go one by one.
+// Returns groups of blocks whose windows share no pixel, so that threads may move those of a group at once.
+// On a torus blocks are processed one by one.
 std::vector<std::vector<std::int32_t>> groups_apart(const BlockCourses& courses) {
   std::vector<std::vector<std::int32_t>> groups;
   std::vector<std::vector<cv::Rect>> taken;

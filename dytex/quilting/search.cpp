@@ -17,7 +17,7 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr float kForbidden = std::numeric_limits<float>::infinity();  // bound of a place not to be taken
+constexpr float kForbidden = std::numeric_limits<float>::infinity();  // bound of a forbidden place
 constexpr double kNoLimit = std::numeric_limits<double>::max();
 constexpr std::size_t kComparedTogether = 64;  // places; after each group the limit is lowered
 
@@ -126,7 +126,7 @@ double BlockSearch::guide_error(const BlockQuery& query, const SourcePixel& at) 
 
 namespace {
 
-// Copies of `bounds` without the places nearer than `apart` to one of `near`; none where nothing is left.
+// Copies `bounds` without the places nearer than `apart` to one of `near`; none where none remains.
 std::vector<cv::Mat> without_near(const std::vector<cv::Mat>& bounds, const std::vector<SourcePixel>& near,
                                   int apart) {
   std::vector<cv::Mat> left;
@@ -197,7 +197,7 @@ QuiltChoice BlockSearch::pick(const BlockQuery& query, std::vector<cv::Mat>& bou
       best = std::min(best, errors.back().first);
     }
   };
-  // The place with the lowest bound tells how far the others need to be looked at.
+  // The place with the lowest bound limits which others need comparing.
   Candidate first{kNoLimit, {}};
   for (std::size_t s = 0; s < bounds.size(); ++s) {
     if (bounds[s].empty()) continue;
@@ -213,7 +213,7 @@ QuiltChoice BlockSearch::pick(const BlockQuery& query, std::vector<cv::Mat>& bou
     return a.lower != b.lower ? a.lower < b.lower : earlier(a.at, b.at);
   });
   for (std::size_t i = 0; i < candidates.size() && candidates[i].lower <= limit(); i += kComparedTogether) {
-    context_.check();  // where no two places are alike all have to be compared
+    context_.check();  // where no two places are similar all have to be compared
     compare(std::span(candidates).subspan(i, std::min(kComparedTogether, candidates.size() - i)));
   }
   choice.compared = static_cast<std::int64_t>(errors.size());

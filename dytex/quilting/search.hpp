@@ -27,7 +27,7 @@ struct BlockQuery {
 
 class BlockSearch {
  public:
-  /// `least`, `most`: bounds of the sizes of blocks in queries. Refers to all but these.
+  /// `least`, `most`: bounds of the sizes of blocks in queries. Keeps references to all but these.
   BlockSearch(std::span<const QuiltSource> sources, const QuiltOptions& options, cv::Size least,
               cv::Size most, const core::Context& context);
 

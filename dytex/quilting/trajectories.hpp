@@ -12,14 +12,14 @@
 
 namespace emberfold::dytex {
 
-/// Gives memory for chunk number `chunk`, `bytes` long, that stays valid as long as the trajectories live. It
-/// may be part of a mapped file.
+/// Provides memory for chunk number `chunk`, `bytes` long, that stays valid as long as the trajectories live.
+/// It may be part of a mapped file.
 using ChunkMemory = std::function<std::byte*(int chunk, std::size_t bytes)>;
 
-/// The pixels p(x, y, t) of a time-lapse, stored so that the course of a pixel lies together: the frames in
-/// chunks, in a chunk pixel after pixel (row by row), in a pixel frame after frame, in a frame the channels.
-/// The rest of the last chunk is zero. Copies and comparisons of blocks over all of time run through it chunk
-/// by chunk.
+/// The pixels p(x, y, t) of a time-lapse, stored so that the values of a pixel over time are contiguous: the
+/// frames in chunks, in a chunk pixel after pixel (row by row), in a pixel frame after frame, in a frame the
+/// channels. The rest of the last chunk is zero. Copies and comparisons of blocks over all of time run
+/// through it chunk by chunk.
 class Trajectories {
  public:
   /// No frames yet; memory from the heap unless `memory` gives it. `chunk_frames`: at least 1, or 0 for
@@ -30,7 +30,7 @@ class Trajectories {
 
   /// Adds the next frame: of the size, channels and depth of info(), else InputError.
   void add(const cv::Mat& frame);
-  /// Ends the adding of frames. InputError where there was none.
+  /// Ends the adding of frames. Throws InputError where there was none.
   void finish();
 
   [[nodiscard]] const core::ClipInfo& info() const { return info_; }

@@ -22,8 +22,8 @@ struct BlockRegion {
   SurfaceFrame frame;
   cv::Point2d seed, seed_cell;  ///< a texel, and the cell that it is in
   std::int32_t chart = 0;
-  std::vector<Texel> texels;  ///< of the chart, hanging together within the block
-  std::vector<Texel> rim;     ///< texels of the chart beside the region, and the cells that these are beside
+  std::vector<Texel> texels;  ///< of the chart, connected within the block
+  std::vector<Texel> rim;     ///< texels of the chart adjacent to the region, and the cells that they adjoin
   std::vector<std::int32_t> nearest;  ///< of each cell: the region's texel nearest to its middle, or −1
 
   [[nodiscard]] cv::Point2d cell_of(const cv::Point2d& texel) const {
@@ -43,11 +43,11 @@ struct BlockRegion {
 
 class RegionFinder {
  public:
-  /// The layout has to outlive it.
+  /// The layout must outlive it.
   explicit RegionFinder(const SurfaceLayout& layout) : layout_(layout), marks_(layout.triangles.size()) {}
 
-  /// Finds the part of a chart around a texel that a block covers in which this texel lies in `seed_cell`, by
-  /// the frame that the part has in the mean. O(texels of the part + cells).
+  /// Finds the part of a chart around a texel that a block covers if this texel is in `seed_cell`, using the
+  /// part's mean frame. O(texels of the part + cells).
   BlockRegion find(std::int32_t seed, const cv::Point& seed_cell, cv::Size block);
 
  private:
@@ -60,10 +60,10 @@ class RegionFinder {
   std::uint32_t mark_ = 0;
 };
 
-/// Gives what lies beyond glued edges.
+/// Finds texels beyond glued edges.
 class GluedNeighbours {
  public:
-  /// The layout has to outlive it.
+  /// The layout must outlive it.
   explicit GluedNeighbours(const SurfaceLayout& layout);
 
   /// Returns for each cell of a block, up to `reach` beyond a glued edge of its region, the texel that is

@@ -5,7 +5,7 @@
 
 #include "dytex/surface/surface_layout.hpp"
 
-/// Ways over glued edges. Inner header of surfaces.
+/// Paths across glued edges. Inner header of surfaces.
 namespace emberfold::dytex::detail {
 
 /// A side of a glued edge in source pixels along the surface, of the edge's first point.
@@ -14,14 +14,14 @@ class EdgeSide {
   /// `frame`: that of the triangle, or of a block around it.
   EdgeSide(const SurfaceLayout& layout, const GluedSide& side, const SurfaceFrame& frame);
 
-  /// A place by the way along the edge and the way beyond it, out of its triangle; below 0 inside.
+  /// A place by its distance along the edge and beyond it, out of its triangle; below 0 inside.
   struct Place {
     double along = 0, beyond = 0;
   };
   [[nodiscard]] Place place(const cv::Point2d& texel) const;
   [[nodiscard]] cv::Point2d texel(const Place& place) const;
   [[nodiscard]] double length() const { return length_; }
-  /// Returns the direction of the way beyond.
+  /// Returns the direction beyond the edge.
   [[nodiscard]] cv::Point2d outward() const { return beyond_; }
 
  private:
@@ -30,7 +30,7 @@ class EdgeSide {
   double length_ = 0;
 };
 
-/// Unfolds the surface over a glued edge: gives the place in the texture of what lies beyond one side.
+/// Unfolds the surface over a glued edge: returns places in the texture beyond one side.
 class EdgeCrossing {
  public:
   EdgeCrossing(const SurfaceLayout& layout, const GluedSide& here, const SurfaceFrame& frame,
@@ -40,7 +40,7 @@ class EdgeCrossing {
   [[nodiscard]] const EdgeSide& here() const { return here_; }
   /// Returns the place in the texture on the other side.
   [[nodiscard]] cv::Point2d over(const EdgeSide::Place& place) const;
-  /// Returns the texel there, or one that is a pixel farther beyond; (−1, −1) where both lie outside of the
+  /// Returns the texel there, or one that is a pixel farther beyond; (−1, −1) where both are outside the
   /// chart.
   [[nodiscard]] cv::Point texel_over(const SurfaceLayout& layout, EdgeSide::Place place) const;
 

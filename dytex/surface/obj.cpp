@@ -64,7 +64,7 @@ void check_room(std::size_t count, const char* what) {
     throw core::IoError("there are more than " + std::to_string(kMostOfAKind) + " " + what);
 }
 
-// The entry, from 0, that a face names: counted from 1, or back from the last one so far with a minus.
+// Returns the entry, from 0, that a face names: counted from 1, or, with a minus, back from the last so far.
 std::int32_t index_of(std::string_view word, std::size_t count, const char* what) {
   long long value = 0;
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -78,7 +78,7 @@ std::int32_t index_of(std::string_view word, std::size_t count, const char* what
   return static_cast<std::int32_t>(value > 0 ? value - 1 : last + value);
 }
 
-/// Takes an OBJ file line by line.
+/// Reads an OBJ file line by line.
 class ObjLines {
  public:
   void take(std::string_view line) {
@@ -146,7 +146,7 @@ class ObjLines {
   }
 };
 
-// Leaves the first of equal values and returns for each value where it is now.
+// Removes repeated values and returns for each value its new index.
 template <class Value, class Key>
 std::vector<std::int32_t> join_equal(std::vector<Value>& values, const Key& key) {
   std::vector<std::size_t> order(values.size());
@@ -177,7 +177,7 @@ void join_corners(UvMesh& mesh) {
       corner = {points[static_cast<std::size_t>(corner.point)], uvs[static_cast<std::size_t>(corner.uv)]};
 }
 
-// The next line, with those that a backslash at its end goes on in.
+// Returns the next line, joined with those that follow a backslash at its end.
 std::optional<std::string> whole_line(std::istream& in, std::size_t& number) {
   std::optional<std::string> whole;
   for (;;) {

@@ -17,7 +17,7 @@ double twice_area(std::span<const cv::Point2d> corners) {
   return sum;
 }
 
-// Tells whether the corner at `i` of what is left can be cut off: it turns outward, and no other lies in it.
+// Returns whether the remaining corner at `i` can be cut off: it turns outward, and contains no other.
 bool is_ear(std::span<const cv::Point2d> corners, const std::vector<std::size_t>& left, std::size_t i,
             double side) {
   const std::size_t n = left.size();

@@ -12,7 +12,7 @@
 namespace emberfold::dytex::detail {
 
 /// Cuts a polygon of n ≥ 3 corners into n − 2 triangles of their indices: a convex one from its first corner,
-/// another one ear by ear. One that crosses itself, or has no area, is cut somehow. O(n³) at most.
+/// others ear by ear. A polygon that crosses itself, or has no area, is cut arbitrarily. O(n³) at most.
 std::vector<std::array<std::size_t, 3>> cut_polygon(std::span<const cv::Point2d> corners);
 
 }  // namespace emberfold::dytex::detail

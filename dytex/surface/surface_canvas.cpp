@@ -13,7 +13,7 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-// The texels of charts, of the chart with most of them first, each row by row.
+// The texels of charts, the chart with most of them first, each row by row.
 std::vector<std::int32_t> texels_by_chart(const SurfaceLayout& layout) {
   const auto charts = static_cast<std::size_t>(layout.chart_count);
   std::vector<std::size_t> count(charts), rank(charts), begin(charts);
@@ -32,7 +32,7 @@ std::vector<std::int32_t> texels_by_chart(const SurfaceLayout& layout) {
   return order;
 }
 
-// The width of what goes on around a block at a border that it has to fit.
+// Returns the width of the rim that a block at a border has to fit.
 int rim_of(cv::Size block) {
   return std::max(1, std::min(block.width, block.height) / 6);
 }
@@ -66,8 +66,8 @@ std::optional<SurfacePlace> SurfaceCanvas::next() {
   return SurfacePlace{empty_texels(right) > empty_texels(left) ? std::move(right) : std::move(left), false};
 }
 
-// What earlier blocks show in a cell. Where texels are larger than cells, that is beside what its texel
-// shows.
+// Returns what earlier blocks show in a cell. Where texels are larger than cells, that is next to the pixel
+// that its texel shows.
 SourcePixel SurfaceCanvas::shown(const BlockRegion& region, std::int32_t cell) const {
   const auto texel = static_cast<std::size_t>(region.nearest[static_cast<std::size_t>(cell)]);
   const SourcePixel& from = pixels_[texel];
@@ -91,8 +91,8 @@ std::vector<SurfaceCanvas::Met> SurfaceCanvas::meet(const BlockRegion& region) c
   return met;
 }
 
-// Corners of the blocks that are met, and of those that these met. Where a block lies nearly where an earlier
-// one lies, it may go on with it.
+// Returns corners of the blocks that are met, and of those that these met. A block at nearly the place of an
+// earlier one may continue it.
 std::vector<SourcePixel> SurfaceCanvas::places_near(const BlockRegion& region,
                                                     const std::vector<Met>& met) const {
   std::set<std::int32_t> touched, near;
@@ -131,7 +131,7 @@ BlockQuery SurfaceCanvas::query_of(const BlockRegion& region, const std::vector<
   return query;
 }
 
-// Cells beside which earlier blocks go on keep what they show.
+// Returns the cells' states; those next to which earlier blocks continue keep their pixels.
 std::vector<CellState> SurfaceCanvas::states(const BlockRegion& region) const {
   std::vector<CellState> states(region.nearest.size(), CellState::outside);
   for (std::size_t i = 0; i < states.size(); ++i)

@@ -14,10 +14,10 @@
 #include "dytex/surface/block_cut.hpp"
 #include "dytex/surface/block_region.hpp"
 
-/// A texture of a surface while it grows. Inner header of surfaces.
+/// A texture of a surface during quilting. Inner header of surfaces.
 namespace emberfold::dytex::detail {
 
-/// The place of a block, or of a smaller one that joins a chart's border to what lies beyond.
+/// The place of a block, or of a smaller one that joins a chart's border to the surface beyond.
 struct SurfacePlace {
   BlockRegion region;
   bool at_border = false;
@@ -30,16 +30,16 @@ inline cv::Size joint_size(cv::Size block) {
 
 class SurfaceCanvas {
  public:
-  /// All have to outlive it.
+  /// All must outlive it.
   SurfaceCanvas(const SurfaceLayout& layout, std::span<const QuiltSource> sources,
                 const QuiltOptions& options);
 
   /// Returns the place of the next block: around the first empty texel, of the largest chart that has one,
-  /// which lies `overlap` from the block's top, and as far from that of its sides where the block fills more.
-  /// Where none is empty, places of half that size along glued edges follow, then nothing.
+  /// `overlap` from the block's top and from the side where the block fills more. Where none is
+  /// empty, places of half that size along glued edges follow, then nothing.
   [[nodiscard]] std::optional<SurfacePlace> next();
-  /// Returns what a block there has to fit: all that it meets in its chart and beyond glued edges; at a
-  /// border, of its own chart only what goes on around it.
+  /// Returns the surroundings that a block there has to fit: all that it meets in its chart and beyond glued
+  /// edges; at a border, of its own chart only the rim around it.
   [[nodiscard]] BlockQuery query(const SurfacePlace& place) const;
   /// Lays a block from `at`, joined along the cheapest seams; at a border only where that makes it fit
   /// better.
@@ -57,7 +57,7 @@ class SurfaceCanvas {
     SourcePixel corner;
     std::vector<std::int32_t> touching;  // earlier blocks that it met
   };
-  /// What a cell meets: a source pixel and the block that it is of.
+  /// A cell's contact: a source pixel and the block that it is of.
   struct Met {
     SourcePixel from;
     std::int32_t block = -1;

@@ -29,7 +29,7 @@ double course_difference(std::span<const Trajectories* const> sources, const Sou
 
 }  // namespace
 
-// Pieces lie half a block apart, counted on over short edges.
+// Places pieces half a block apart, counted across short edges.
 void SurfaceCanvas::find_joints() {
   const cv::Size size = joint_size(options_.block);
   const double apart = std::max(1.0, std::min(size.width, size.height) / 2.0);
@@ -50,7 +50,7 @@ std::optional<BlockRegion> SurfaceCanvas::region_at(const Joint& joint) {
   const cv::Size size = joint_size(options_.block);
   const cv::Point seed = nearest_texel(side.texel({joint.along, -1}));
   if (layout_.chart_at(seed) != chart_of_side(layout_, joint.own)) return std::nullopt;
-  // The edge lies a quarter of the block from its side.
+  // The edge is a quarter of the block from its side.
   const cv::Point2d inward = -side.outward();
   const cv::Point2d cell(0.5 * size.width - 0.25 * size.width * inward.x,
                          0.5 * size.height - 0.25 * size.height * inward.y);

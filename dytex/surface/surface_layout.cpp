@@ -18,7 +18,7 @@ namespace {
 constexpr int kLargestTexture = 16384;  // px
 constexpr double kMostStretch = 16;     // source pixels a texel, or texels a source pixel
 constexpr double kMostShear = 4;
-constexpr double kOnEdge = 1e-6;  // px: centres so near an edge lie on it
+constexpr double kOnEdge = 1e-6;  // px: centres this near an edge are on it
 
 using TexelTriangle = std::array<cv::Point2d, 3>;
 
@@ -48,7 +48,7 @@ double twice_texels(const TexelTriangle& at) {
   return (at[1] - at[0]).cross(at[2] - at[0]);
 }
 
-/// Where a triangle lies on the surface: its steps for a texel to the right and one down.
+/// A triangle's position on the surface: its steps for a texel to the right and one down.
 struct SurfaceSteps {
   cv::Point3d right, down;
   double texels = 0;  // its area in the texture; 0: it has none

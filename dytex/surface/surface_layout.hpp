@@ -11,8 +11,8 @@
 
 namespace emberfold::dytex {
 
-/// A step of (X, Y) texels goes (across · X + shear · Y, down · Y) source pixels along the surface. The
-/// surface's x goes where the texture's right goes, so that nothing is turned within the texture.
+/// A step of (X, Y) texels is (across · X + shear · Y, down · Y) source pixels along the surface. The
+/// surface's x points where the texture's right points, so that nothing is turned within the texture.
 struct SurfaceFrame {
   double across = 1, shear = 0, down = 1;
   [[nodiscard]] cv::Point2d to_surface(const cv::Point2d& texels) const {
@@ -33,19 +33,19 @@ struct GluedEdge {
   GluedSide a, b;
 };
 
-/// A surface as the texels of a texture show it. A chart is what hangs together in the texture.
+/// A surface as the texels of a texture show it. A chart is a connected part of the texture.
 struct SurfaceLayout {
   cv::Size size;                        ///< px, of the texture
   double pixel = 0;                     ///< size of a source pixel on the surface, in the mesh's unit
-  std::vector<std::int32_t> triangles;  ///< of each texel, row by row: the one its centre lies in, or −1
+  std::vector<std::int32_t> triangles;  ///< of each texel, row by row: the one containing its centre, or −1
   std::vector<std::int32_t> charts;     ///< of each triangle, from 0
   std::vector<SurfaceFrame> frames;     ///< of each triangle
   std::vector<cv::Point2d> centres;     ///< of each triangle, px of the texture
   std::vector<GluedEdge> glued;
   int chart_count = 0;
-  int hidden_charts = 0;      ///< have no texel
+  int hidden_charts = 0;      ///< charts without a texel
   std::int64_t covered = 0;   ///< texels of the surface
-  std::int64_t repeated = 0;  ///< of these, how often one shows further places of the surface
+  std::int64_t repeated = 0;  ///< further places of the surface that they show
 
   [[nodiscard]] bool contains(const cv::Point& texel) const { return cv::Rect({}, size).contains(texel); }
   [[nodiscard]] std::size_t index(const cv::Point& texel) const {
@@ -56,7 +56,7 @@ struct SurfaceLayout {
     return {static_cast<int>(index % static_cast<std::size_t>(size.width)),
             static_cast<int>(index / static_cast<std::size_t>(size.width))};
   }
-  /// Returns the chart that a place in the texture lies in, or −1.
+  /// Returns the chart that contains a place in the texture, or −1.
   [[nodiscard]] std::int32_t chart_at(const cv::Point& texel) const {
     const std::int32_t triangle = contains(texel) ? triangles[index(texel)] : -1;
     return triangle < 0 ? -1 : charts[static_cast<std::size_t>(triangle)];
@@ -65,8 +65,8 @@ struct SurfaceLayout {
 
 /// Lays a texture of `size`, 1 … 16384 px each way, over a surface. `pixel`: the size of a source pixel on
 /// the surface, in the mesh's unit; 0: that of a texel in the mean. Where frames would be stretched more than
-/// 16 times, they count as stretched 16 times. InputError for a size or pixel beyond that, and where the
-/// surface has no area or covers no texel. O(n log n + texels).
+/// 16 times, they count as stretched 16 times. Throws InputError for a size or pixel beyond that, and where
+/// the surface has no area or covers no texel. O(n log n + texels).
 SurfaceLayout lay_out_surface(const UvMesh& mesh, cv::Size size, double pixel = 0);
 
 }  // namespace emberfold::dytex

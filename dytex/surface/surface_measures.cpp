@@ -18,7 +18,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-/// A point on a glued edge: the texels beside it, and its two places in the texture.
+/// A point on a glued edge: the texels next to it, and its two places in the texture.
 struct BorderPlace {
   cv::Point inside, beyond;
   cv::Point2d here, there;

@@ -14,7 +14,7 @@ struct SurfaceMeasures {
   double seam_share = 0;   ///< share of neighbouring texels of one chart that are of two blocks
   double seam_step = 0;    ///< the step between these
   double other_step = 0;   ///< the step between all others of one chart
-  double border_step = 0;  ///< the step between what lies half a source pixel to either side of a glued edge
+  double border_step = 0;  ///< the step between points half a source pixel to either side of a glued edge
   double border_gap = 0;   ///< between bilinear look-ups of a point on a glued edge from its two sides
   std::int64_t border_places = 0;  ///< at which glued edges were measured, a source pixel apart
   double source_share = 0;         ///< share of the source pixels that show somewhere

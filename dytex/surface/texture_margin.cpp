@@ -17,8 +17,8 @@ namespace emberfold::dytex::detail {
 
 namespace {
 
-constexpr double kMargin = 8;      // texels beyond glued edges that show what follows on the surface
-constexpr double kEdgePiece = 16;  // texels, of an edge that is looked at together
+constexpr double kMargin = 8;      // texels beyond glued edges that continue the surface
+constexpr double kEdgePiece = 16;  // texels, of an edge processed together
 
 /// A texel beyond a glued edge, how far away, and the one that it shows.
 struct BeyondEdge {
@@ -57,7 +57,7 @@ void look_beyond(const SurfaceLayout& layout, const GluedSide& own, const GluedS
   }
 }
 
-// Gives every texel of no chart what the nearest texel of a chart has.
+// Gives every texel of no chart the pixel of the nearest texel of a chart.
 void spread_charts(const SurfaceLayout& layout, QuiltMap& map) {
   cv::Mat empty(layout.size, CV_8U), distance, labels;
   for (int y = 0; y < empty.rows; ++y)

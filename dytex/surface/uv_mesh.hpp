@@ -24,10 +24,10 @@ struct UvMesh {
   std::vector<std::array<UvCorner, 3>> triangles;
 };
 
-/// Reads a surface from a Wavefront OBJ file: `v`, `vt` and `f`. Polygons become triangles, points and places
-/// in the texture that are given several times one. Normals, groups and materials are passed over. Throws
-/// IoError, with `name` and the line, for anything else, a face without or with a place beyond 0 … 1, and
-/// more than 2²⁴ points, places or triangles. O(n log n).
+/// Reads a surface from a Wavefront OBJ file: `v`, `vt` and `f`. Polygons become triangles; repeated points
+/// and places in the texture become one. Skips normals, groups and materials. Throws IoError, with `name` and
+/// the line, for anything else, a face without or with a place beyond 0 … 1, and more than 2²⁴ points, places
+/// or triangles. O(n log n).
 UvMesh read_obj(std::istream& in, std::string_view name);
 
 /// Writes points, places and triangles as an OBJ file; read_obj() gives the same mesh.

@@ -10,11 +10,11 @@ namespace {
 
 using Eigen::Index;
 
-// 1.5 · 2²³: a float of this size has no places behind the point, so that adding it rounds; the value is then
-// in the last byte.
+// 1.5 · 2²³: a float of this size has no fractional bits, so that adding it rounds; the value is then in the
+// last byte.
 constexpr float kRounder = 12582912.0F;
 
-// Vectors of so many lanes, and what reads and writes them where they lie.
+// Vectors of this number of lanes, and their unaligned loads and stores.
 // Typedefs, since GCC ignores the attribute of an alias that depends on a template parameter.
 template <int kLanes>
 struct Lanes {
@@ -25,12 +25,12 @@ struct Lanes {
 };
 
 // Everything below is inlined into functions compiled for one kind of vectors, and nothing passes a vector by
-// value, whose way of passing depends on that.
+// value, as the calling convention depends on that kind.
 #define EMBERFOLD_INLINE [[gnu::always_inline]] inline
 
-// Columns of C lie so far apart that a walk across all of them misses every cache, and where their distance
-// is a power of two they push each other out. So a few of them are gone along at a time, for a stretch of
-// rows whose sums stay in the first cache.
+// Columns of C are so far apart that a walk across all of them misses every cache, and where their distance
+// is a power of two they evict each other. So a few of them are read together, for a stretch of rows whose
+// sums stay in the first cache.
 constexpr Index kColumns = 8, kStretch = 512;
 
 /// The sums of `kFrames` frames of kVectors · kLanes values, in registers.

@@ -24,7 +24,7 @@ struct Batch {
 };
 
 /// Draws values first … first + count − 1 of the eight frames, rounded (ties to even) and saturated to 0 …
-/// 255, into frames[i] + first. With every instruction set the same bits: a value is a sum in the order of
+/// 255, into frames[i] + first. The same bits with every instruction set: a value is a sum in the order of
 /// the components, products and sums rounded one by one. A set that the machine lacks ends the process. O(8
 /// count n).
 void draw_bytes(const Batch& batch, Eigen::Index first, Eigen::Index count,

@@ -10,10 +10,10 @@ namespace emberfold::dytex::detail {
 /// in every frame. P: the stationary covariance. A single real pole λ gives P (1 + λ^L)/(1 − λ^L).
 Eigen::MatrixXd loop_covariance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& P, int frames);
 
-/// Makes states that repeat after as many frames as `noise` has columns, v(0) … v(L − 1): N × L. They are the
-/// circle's, x(0) = (I − A^L)⁻¹ Σ A^(L−1−j) B v(j), times the symmetric matrix that brings their covariance
-/// back to P (in the directions that the noise reaches): a short circle
-/// magnifies modes that last longer than it. O(L N²) + O(N³).
+/// Makes states that repeat after the number of frames that `noise` has columns, v(0) … v(L − 1): N × L. They
+/// are the circle's, x(0) = (I − A^L)⁻¹ Σ A^(L−1−j) B v(j), times the symmetric matrix that brings their
+/// covariance back to P (in the directions that the noise reaches): a short circle magnifies modes that last
+/// longer than it. O(L N²) + O(N³).
 Eigen::MatrixXd loop_states(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& noise);
 
 /// Returns the symmetric M ⪰ 0 with M from M = to, on the range of `from`; 0 across it. O(N³).

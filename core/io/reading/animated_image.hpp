@@ -5,14 +5,14 @@
 
 namespace emberfold::io {
 
-/// Says what kind of animation an image file is.
+/// Kind of animation of an image file.
 struct Animation {
   enum class Kind { none, apng, webp };
   Kind kind = Kind::none;
   int frames = 1;  ///< as the file's head or its list of chunks says
 };
 
-/// Reads the heads of a PNG's or WebP's chunks. Files of other kinds, and what cannot be read, are none.
+/// Reads the heads of a PNG's or WebP's chunks. Files of other kinds and unreadable ones are no animation.
 Animation read_animation(const std::filesystem::path& path);
 
 }  // namespace emberfold::io

@@ -70,7 +70,7 @@ void refuse_several_series(const std::vector<fs::path>& files) {
 
 std::string repeated_numbers(const std::vector<fs::path>& files) {
   constexpr const char* kDigits = "0123456789";
-  std::map<std::string, std::vector<std::string>> series;  // last numbers by what is before and after them
+  std::map<std::string, std::vector<std::string>> series;  // last numbers by the text before and after them
   for (const auto& file : files) {
     const std::string name = file.filename().string();
     const auto end = name.find_last_of(kDigits, name.rfind('.'));

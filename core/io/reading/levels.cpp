@@ -16,14 +16,14 @@ namespace emberfold::io {
 
 namespace {
 
-// Of the range: strokes in a smaller part are near the least contrast that is found.
+// Share of the range: strokes within a smaller part are near the lowest contrast that is detected.
 constexpr double kSmallPart = 1. / 8;
-constexpr double kStray = 4;             // stray values need a white this many times as large
-constexpr double kBelowBlack = 1. / 32;  // of the largest value: floats this far below 0 are no rounding
-constexpr double kLeastSteps = 16;       // of whole numbers: fewer show no shading, only rounding
-constexpr double kMargin = 1. / 4;       // of a range that is spread, kept at both ends for noise
+constexpr double kStray = 4;             // values are stray if they need a white this many times as large
+constexpr double kBelowBlack = 1. / 32;  // of the largest value: floats this far below 0 are not rounding
+constexpr double kLeastSteps = 16;       // in whole numbers: fewer show no shading, only rounding
+constexpr double kMargin = 1. / 4;       // of the range that is spread, added at both ends for noise
 
-/// The largest number in as many bits as the value needs, at least 8.
+/// Returns the largest number of the bits that the value needs, at least 8.
 double all_ones(double value) {
   double white = 255;
   while (white < value) white = 2 * white + 1;
@@ -42,7 +42,7 @@ std::string option_text(double low, double high) {
   return "--levels " + text(low) + ":" + text(high);
 }
 
-/// Returns what is doubtful about values that are read unchanged; empty where nothing is.
+/// Describes what is doubtful about values that are read unchanged; empty where nothing is.
 std::string doubt(const ValueRange& values, int depth, double white) {
   const std::string spread =
       values.high > values.low ? "; " + option_text(values.low, values.high) + " spreads them" : "";
@@ -59,13 +59,13 @@ std::string doubt(const ValueRange& values, int depth, double white) {
   return {};
 }
 
-/// Automatic levels, and what is to be said of them.
+/// Automatic levels, and the warning about them.
 struct AutoLevels {
   LevelRange range;
   std::string words;
 };
 
-/// True where the values from 0 on may not show what is in the clip, so that a second look is worth its time.
+/// Returns whether values from 0 on may hide content, so that a second pass is worth its time.
 bool is_doubtful(const ValueRange& values, int depth) {
   const double white = white_of(values.max, depth);
   return values.low < 0 || values.high - values.low < kSmallPart * white ||

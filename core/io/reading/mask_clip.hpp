@@ -12,15 +12,16 @@
 
 namespace emberfold::io {
 
-/// Reads the mask of a clip, as large as the clip is stored: an image, which counts for every frame, or a
-/// clip of that number of frames. MaskSource says which pixels count.
+/// Reads the mask of a clip, of the clip's stored size: an image, used for every frame, or a clip with the
+/// same number of frames. MaskSource defines which pixels count.
 class MaskClip {
  public:
-  /// `options`: of the clip; the frames are those that it takes. Throws core::IoError where it cannot be
-  /// read, core::InputError where it has another size, or nothing in it counts. Warns where its first frame
-  /// holds many values: labels, or a picture that is no mask.
+  /// `options`: the clip's; they select the frames. Throws core::IoError where it cannot be read,
+  /// core::InputError where it has another size, or nothing in it counts. Warns where its first frame holds
+  /// many values: labels, or a picture that is not a mask.
   MaskClip(const ReadOptions& options, cv::Size size, const core::Warn& warn = {});
-  /// Returns the next frame's mask, CV_8U, 255 where structure counts. core::InputError after the last.
+  /// Returns the next frame's mask, CV_8U, 255 where structure counts. Throws core::InputError after the
+  /// last.
   cv::Mat next();
   void rewind();
 

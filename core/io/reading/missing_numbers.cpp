@@ -11,7 +11,7 @@ namespace emberfold::io {
 namespace {
 
 struct NumberedName {
-  std::string head, tail;  ///< what stands before and after the number
+  std::string head, tail;  ///< before and after the number
   std::int64_t number = 0;
 };
 

@@ -13,7 +13,7 @@ namespace emberfold::io {
 
 namespace {
 
-/// 255 where all channels are finite: a value that is not differs from itself, or is infinite.
+/// Returns 255 where all channels are finite: neither NaN nor infinite.
 cv::Mat finite_pixels(const cv::Mat& frame) {
   std::vector<cv::Mat> channels;
   cv::split(frame, channels);

@@ -21,7 +21,7 @@ namespace {
   throw core::IoError("cannot read " + shown + ": " + reason);
 }
 
-/// A file that is open already when its name is taken away.
+/// Opens a temporary file and removes its name at once.
 int open_nameless(const std::string& shown) {
   std::error_code error;
   fs::path folder = fs::temp_directory_path(error);

@@ -6,12 +6,12 @@
 
 namespace emberfold::io {
 
-/// Returns whether the name is "-" (standard input), or that of a pipe or a device: what can be read only
+/// Returns whether the name is "-" (standard input), or that of a pipe or a device, which can be read only
 /// once.
 bool is_piped(const std::string& name);
 
-/// Holds what comes through a pipe in a temporary file without a name, so that it can be read again and
-/// again; it is gone with this object, and with the process.
+/// Copies the content of a pipe into a temporary file without a name, so that it can be read repeatedly; the
+/// file vanishes with this object, and with the process.
 class PipedClip {
  public:
   /// Reads the pipe to its end. Throws core::IoError that names it: it cannot be read, is empty, or the

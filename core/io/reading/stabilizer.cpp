@@ -16,13 +16,13 @@ constexpr int kCoarsest = 24;       // px: shorter side of the coarsest level
 constexpr int kRounds = 30;         // of Gauss-Newton, at each level
 constexpr double kSettled = 2e-3;   // px: a smaller step ends the rounds
 constexpr double kMemory = 24;      // frames in the mean
-constexpr double kTukey = 4.685;    // SD of the residuals beyond which they count nothing: 95 % efficient
-constexpr int kTurnsFrom = 50;      // px: shorter side of a level that tells turning and zooming
-constexpr double kLeastSeen = 0.1;  // share of the pixels that must be seen in both
+constexpr double kTukey = 4.685;    // in SD: residuals beyond it have weight 0; 95 % efficient
+constexpr int kTurnsFrom = 50;      // px: shorter side of a level from which rotation and zoom are fitted
+constexpr double kLeastSeen = 0.1;  // minimum share of the pixels seen in both
 
 using Steps = cv::Vec4d;  // x, y (px), scale − 1, angle
 
-/// One level of the pyramid of what frames are compared with.
+/// One level of the reference's pyramid.
 struct Level {
   cv::Mat reference, gradient_x, gradient_y, weight;
 };
@@ -58,7 +58,7 @@ core::CameraMotion after_step(const core::CameraMotion& motion, const Steps& ste
   return result;
 }
 
-/// Spread of the residuals: 1.48 times the median of their amounts.
+/// Returns the spread of the residuals: 1.48 times the median of their magnitudes.
 double spread(const cv::Mat& difference, const cv::Mat& weight) {
   std::vector<float> amounts;
   for (int y = 0; y < difference.rows; ++y)
@@ -94,7 +94,7 @@ Steps best_step(const Level& level, const cv::Mat& difference, const cv::Mat& we
         for (int j = 0; j < unknowns; ++j) normal(i, j) += w * row[i] * row[j];
       }
     }
-  // A little more on the diagonal keeps what the picture does not tell where it is.
+  // A small term on the diagonal keeps parameters that the picture does not determine where they are.
   for (int i = 0; i < 4; ++i) normal(i, i) += i < unknowns ? 1e-6 * normal(i, i) + 1e-9 : 1;
   return normal.solve(right, cv::DECOMP_CHOLESKY);
 }
@@ -104,7 +104,7 @@ core::CameraMotion align(const Level& level, const cv::Mat& luma, core::CameraMo
                          bool similarity) {
   const cv::Size size = luma.size();
   const double reach = 0.5 * std::hypot(size.width, size.height);
-  // What fits best of all rounds is kept: a round may go astray where little of the picture stands.
+  // The best fit of all rounds is kept: a round may diverge where little of the picture is still.
   core::CameraMotion best = motion;
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {

@@ -10,11 +10,10 @@
 
 namespace emberfold::io {
 
-/// Finds the motion of the whole picture against the clip's first frame, frame after frame. What it compares
-/// with is the mean of the frames before, put in place, in which what moves by itself washes out and what
-/// stands stays. Method: Gauss-Newton on grey levels, from coarse to fine, with Tukey's weights (Lucas &
-/// Kanade 1981; Baker & Matthews 2004, inverse compositional), so that a part that moves otherwise counts
-/// little.
+/// Finds the motion of the whole picture relative to the clip's first frame, frame by frame. Its reference is
+/// the mean of the previous frames, aligned, in which independent motion blurs out and still parts stay.
+/// Method: Gauss-Newton on grey levels, from coarse to fine, with Tukey's weights (Lucas & Kanade 1981; Baker
+/// & Matthews 2004, inverse compositional), so that a part that moves differently counts little.
 class Stabilizer {
  public:
   explicit Stabilizer(Stabilize kind) : kind_(kind) {}
@@ -27,7 +26,7 @@ class Stabilizer {
 
   Stabilize kind_;
   core::CameraMotion last_;
-  cv::Mat mean_, weight_;  ///< of the frames before, in place; how many frames were seen at a pixel
+  cv::Mat mean_, weight_;  ///< of the previous frames, aligned; number of frames seen at a pixel
 };
 
 /// Returns the 2 × 3 matrix from pixels of the stabilized frame to those of the frame as stored.

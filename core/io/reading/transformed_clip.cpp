@@ -79,7 +79,7 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
   [[nodiscard]] std::vector<core::CameraMotion> drift() const override { return drift_; }
 
   void skip(std::int64_t count) override {
-    // What follows the picture's motion, or reads a mask beside it, has to see every frame.
+    // Stabilizing, and reading a mask in step, need every frame.
     if (masks_ || options_.stabilize != Stabilize::none) {
       while (count-- > 0 && !next().empty()) {
       }
@@ -123,7 +123,7 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
 
   void take_levels() { info_.white = info_.depth == CV_8U ? 255 : levels_.white - levels_.black; }
 
-  /// Rate and size of pixels, as told or as given.
+  /// Sets rate and pixel size, from the file or as given.
   void take_scales() {
     if (options_.fps) info_.fps = *options_.fps, info_.fps_is_known = true, info_.times.clear();
     take_origin();
@@ -218,13 +218,13 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
     return scaled(frame);
   }
 
-  /// Fills what is no finite number; returns where the frame was finite, everywhere if it was whole.
+  /// Fills non-finite values; returns where the frame was finite, everywhere if it was whole.
   static cv::Mat finite_part(cv::Mat& frame) {
     const cv::Mat finite = fill_missing(frame);
     return finite.empty() ? cv::Mat(frame.size(), CV_8U, cv::Scalar(255)) : finite;
   }
 
-  /// Takes the motion of the picture out. What lies outside of the frame does not count then.
+  /// Removes the motion of the picture. Pixels from outside the frame then do not count.
   cv::Mat stabilized(const cv::Mat& frame) {
     const auto t = static_cast<std::size_t>(looked_at_++);
     if (t == drift_.size()) drift_.push_back(stabilizer_.follow(core::luma(frame, info_), mask_));
@@ -235,7 +235,7 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
                    cv::BORDER_REPLICATE);
     cv::warpAffine(counts, seen, matrix, stored_, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);
     mask_ = seen > 127;
-    // Cubic interpolation overshoots; floats below black are left to those that had them before.
+    // Cubic interpolation overshoots; floats below black may have been there before.
     if (placed.depth() != CV_32F) cv::min(placed, cv::Scalar::all(info_.white), placed);
     return placed;
   }
@@ -264,9 +264,9 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
   core::Warn warn_;
   LevelRange levels_;
   core::ClipInfo info_;
-  cv::Mat pending_;            ///< the first frame, read to see that the range holds one
-  std::int64_t taken_ = 0;     ///< frames that were handed out
-  std::int64_t position_ = 0;  ///< stored frames that were read or skipped
+  cv::Mat pending_;            ///< the first frame, read to check that the range holds one
+  std::int64_t taken_ = 0;     ///< frames returned
+  std::int64_t position_ = 0;  ///< stored frames read or skipped
   bool warned_ = false;
 
   cv::Size stored_;

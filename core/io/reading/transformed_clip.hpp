@@ -11,8 +11,8 @@
 
 namespace emberfold::io {
 
-/// Applies the options to a decoded clip, in the order that ReadOptions tells. `name`: for messages. Throws
-/// as open_video does.
+/// Applies the options to a decoded clip, in the order given at ReadOptions. `name`: for messages. Throws as
+/// open_video does.
 std::unique_ptr<core::FrameSource> transform_clip(std::string name, std::unique_ptr<FrameDecoder> decoder,
                                                   const ReadOptions& options, const core::Warn& warn);
 

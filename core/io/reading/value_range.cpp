@@ -16,14 +16,14 @@ namespace {
 
 constexpr double kOutliers = 1e-3;  // share of the values beyond `low` and `high`
 
-/// Counts values; those of floats are sampled, and at most some millions kept.
+/// Counts values; floats are sampled, and at most some millions kept.
 class ValueCounter {
  public:
   explicit ValueCounter(bool whole) : count_(whole ? 65536 : 0) {}
 
   void add(const cv::Mat& frame) {
     const cv::Mat flat = frame.reshape(1);
-    each_ = flat.total() < 4096 ? 1 : 61;  // prime to usual widths, so that columns take turns
+    each_ = flat.total() < 4096 ? 1 : 61;  // coprime to usual widths, so that all columns are sampled
     for (int y = 0; y < flat.rows; ++y)
       if (count_.empty())
         add_row(flat.ptr<float>(y), flat.cols);
@@ -101,7 +101,7 @@ std::array<cv::Mat1b, 4> lines_of_three() {
 void widen(SharedRange& range, const cv::Mat& frame) {
   if (frame.rows < 3 || frame.cols < 3) return;
   for (const auto& line : lines_of_three()) {
-    // Where the whole line is inside the frame.
+    // Only where the whole line is inside the frame.
     const int across = line(0, 1) != 0 ? 0 : 1, down = line(1, 0) != 0 ? 0 : 1;
     const cv::Rect inner(across, down, frame.cols - 2 * across, frame.rows - 2 * down);
     cv::Mat all_reach, none_below;

@@ -24,7 +24,7 @@ std::optional<double> find(std::string_view unit, const auto& known) {
   return std::nullopt;
 }
 
-/// Who wrote a description.
+/// Program that wrote a description.
 enum class Kind { none, imagej, ome, shaped };
 
 Kind kind_of(const std::string& text) {

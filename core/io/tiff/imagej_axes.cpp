@@ -11,7 +11,7 @@ namespace emberfold::io {
 
 namespace {
 
-constexpr std::int64_t kSmall = 10000;  // planes; a head that claims more is believed if a quarter is there
+constexpr std::int64_t kSmall = 10000;  // planes; a head that claims more is believed if a quarter exists
 
 // Lines of KEY=VALUE.
 using Fields = std::map<std::string, std::string>;

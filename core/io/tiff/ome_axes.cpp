@@ -32,7 +32,7 @@ std::optional<int> whole(const XmlTag& tag, const std::string& key) {
   return static_cast<int>(*value);
 }
 
-/// What of the first image's <Pixels> counts here.
+/// The fields of the first image's <Pixels> that are used.
 struct Pixels {
   bool found = false;
   std::string order = "XYZCT";

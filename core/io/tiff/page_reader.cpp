@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A page that cannot be decoded; the caller has the words for it.
+/// A page that cannot be decoded; the caller writes the message.
 struct Undecodable {};
 
 void require(bool holds) {
   if (!holds) throw Undecodable();
 }
 
-/// Says that a message of libtiff needs no printing.
+/// Suppresses a message of libtiff.
 int quiet(TIFF*, void*, const char*, const char*, std::va_list) {
   return 1;
 }
@@ -42,7 +42,7 @@ TIFF* open_tiff(const fs::path& path) {
   return TIFFOpenExt(path.c_str(), "rmc", options.get());
 }
 
-/// Some rows of the file, all samples that are stored together next to each other.
+/// Rows of the file; samples that are stored together are adjacent.
 struct Block {
   const std::uint8_t* bytes = nullptr;
   std::size_t row_bytes = 0;
@@ -59,7 +59,7 @@ void take_values(const std::uint8_t* from, std::size_t step, int count, Value* t
   }
 }
 
-/// Values that are read as floats: real ones, signed ones, and whole ones of 32 bits.
+/// Converts values that are read as floats: real ones, signed ones, and whole ones of 32 bits.
 void take_floats(const std::uint8_t* from, const Block& block, const TiffPage& page, float* to,
                  int channels) {
   const auto take = [&]<class Stored>(Stored) {
@@ -73,7 +73,7 @@ void take_floats(const std::uint8_t* from, const Block& block, const TiffPage& p
     take(std::uint32_t{});
 }
 
-/// Values that are no whole bytes: the highest bit is first; below 8 bits they are spread to 8.
+/// Unpacks values that are not whole bytes: the highest bit is first; below 8 bits they are spread to 8.
 template <class Value>
 void take_bits(const std::uint8_t* row, std::size_t first, std::size_t step, int count, unsigned bits,
                Value* to, int channels) {
@@ -151,7 +151,7 @@ void each_block(TIFF* file, const TiffPage& page, int plane, const Use& use) {
     }
 }
 
-/// A plane of a page without a head is one block.
+/// Reads a page without a head, each plane of which is one block.
 template <class Use>
 void bare_block(std::ifstream& in, const TiffPage& page, int plane, const Use& use) {
   Block block;
@@ -171,7 +171,7 @@ void bare_block(std::ifstream& in, const TiffPage& page, int plane, const Use& u
   use(block);
 }
 
-/// Makes the page that of the handle, and checks that libtiff understands its head as it was read here.
+/// Selects the page in the handle, and checks that libtiff reads its head as it was read here.
 void select_page(TIFF* file, const TiffPage& page) {
   require(file != nullptr && TIFFSetSubDirectory(file, page.head) == 1);
   std::uint32_t width = 0, height = 0;
@@ -185,7 +185,7 @@ void select_page(TIFF* file, const TiffPage& page) {
           (samples == 1 || (planes == PLANARCONFIG_SEPARATE) == (page.planes == 2)));
 }
 
-/// Colours that libtiff converts.
+/// Returns a picture whose colours libtiff converts.
 cv::Mat converted_picture(TIFF* file, const TiffPage& page) {
   cv::Mat picture(static_cast<int>(page.height), static_cast<int>(page.width), CV_8UC3);
   const auto pixels = std::make_unique_for_overwrite<std::uint32_t[]>(page.width * page.height);

@@ -20,7 +20,7 @@ class PageReader {
 
   /// Returns a page of this file that read_picture_pages listed: CV_8U, CV_16U or CV_32F, 1 or 3 channels
   /// (blue, green, red); values as stored, but white is bright. Throws core::IoError that names file and
-  /// page: its kind is not read, or it cannot be decoded. Floats may be no finite numbers.
+  /// page: its kind is not supported, or it cannot be decoded. Floats may be non-finite.
   cv::Mat read(const TiffPage& page);
 
  private:
@@ -34,7 +34,7 @@ class PageReader {
 };
 
 /// Returns the pages that are pictures, the description in the first; warns of those that are not, and of
-/// what their values mean where that is not plain. Throws core::IoError that names the file.
+/// values with a special meaning. Throws core::IoError that names the file.
 std::vector<TiffPage> read_picture_pages(const std::filesystem::path& path, const core::Warn& warn);
 
 }  // namespace emberfold::io

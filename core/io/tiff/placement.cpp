@@ -40,7 +40,7 @@ class Placement {
   }
 
  private:
-  /// From the place in the file's order to that in ours.
+  /// Returns the place in our order of a place in the file's.
   [[nodiscard]] std::size_t plane(std::size_t at) const {
     std::size_t channel = 0, slice = 0, frame = 0;
     for (std::size_t i = 0; i < order_.size(); ++i) {
@@ -58,8 +58,8 @@ class Placement {
   std::vector<int> sizes_;
 };
 
-/// Leaves out frames at the end that were planned but never taken; a gap before others is an error. Frames
-/// may be called slices or channels.
+/// Drops frames at the end that were planned but never recorded; a gap before others is an error. Frames may
+/// be called slices or channels.
 void drop_missing(const std::filesystem::path& path, TiffAxes& axes) {
   int& frames = axes.frames > 1 ? axes.frames : axes.slices > 1 ? axes.slices : axes.channels;
   const int planned = frames;

@@ -31,7 +31,7 @@ int depth_of(const TiffPage& page) {
                       " bits; read are 1 to 16 and 32 bits without sign, 8, 16 and 32 with one, and floats");
 }
 
-/// Alpha and samples of unknown meaning, which follow those of the colour.
+/// Notes alpha and samples of unknown meaning, which follow the colours.
 void note_extra(const TiffPage& page, std::size_t colours, SampleMeaning& meaning) {
   const auto is_alpha = [](std::uint64_t kind) {
     return kind == EXTRASAMPLE_ASSOCALPHA || kind == EXTRASAMPLE_UNASSALPHA;

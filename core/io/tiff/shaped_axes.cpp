@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The description that tifffile leaves: {"shape": [50, 2, 120, 160], "axes": "TCYX"}; the axes may be
+// The description that tifffile writes: {"shape": [50, 2, 120, 160], "axes": "TCYX"}; the axes may be
 // missing.
 #include <algorithm>
 #include <cstddef>
@@ -41,7 +41,7 @@ std::vector<Axis> read_shape(const std::string& text) {
   return axes;
 }
 
-/// The number of axes that are inside of a page: rows, columns and, where there are several, samples.
+/// Returns the number of axes inside a page: rows, columns and, where there are several, samples.
 std::size_t axes_in_page(const TiffPage& page) {
   return page.samples > 1 && !page.sample ? 3 : 2;
 }
@@ -80,7 +80,7 @@ std::string listed(const std::vector<Axis>& axes) {
   return text;
 }
 
-/// Takes one axis of another name for time where there is none. Throws where that leaves an axis without
+/// Treats one axis of another name as time where there is none. Throws where that leaves an axis without
 /// meaning, or two of one name.
 void name_time(const std::filesystem::path& path, std::vector<Axis>& above) {
   const auto is_other = [](const Axis& axis) {

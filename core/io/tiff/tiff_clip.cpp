@@ -19,7 +19,7 @@ namespace {
 
 class TiffClip final : public FrameDecoder {
  public:
-  /// `planes`: the pages that make each frame: one, or all of which the brightest values are taken.
+  /// `planes`: the pages that make each frame: one, or several whose brightest values are taken.
   TiffClip(const fs::path& path, std::vector<TiffPage> pages, std::vector<std::vector<int>> planes, bool grey)
       : path_(path), reader_(path), pages_(std::move(pages)), planes_(std::move(planes)), grey_(grey) {
     check_pages();
@@ -96,10 +96,10 @@ std::string many(int count, const char* what) {
   return std::to_string(count) + " " + what;
 }
 
-/// Checks what is asked for against the axes; warns where something was chosen without being asked for.
+/// Checks the requested channel and slice against the axes; warns of those chosen by default.
 class PlaneChoice {
  public:
-  /// `samples`: of a pixel, where they are channels of their own.
+  /// `samples`: of a pixel, where they are separate channels.
   PlaneChoice(const fs::path& path, TiffAxes& axes, int samples, const ReadOptions& options,
               const core::Warn& warn)
       : path_(path), warn_(warn), channels_(axes.channels * samples) {
@@ -130,7 +130,7 @@ class PlaneChoice {
   }
 
   std::vector<std::vector<int>> planes;
-  std::optional<int> sample;  ///< of a pixel that is read, where pixels have several
+  std::optional<int> sample;  ///< read, where pixels have several
 
  private:
   void tell(const std::string& what) const {

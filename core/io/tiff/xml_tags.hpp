@@ -12,10 +12,10 @@ namespace emberfold::io {
 struct XmlTag {
   std::string name;  ///< of a closing tag with its slash in front
   std::map<std::string, std::string> attributes;
-  std::string_view text;  ///< what follows it up to the next tag
+  std::string_view text;  ///< after it, up to the next tag
 };
 
-/// Reads the tags of an XML text one after another; of text that is no XML whatever looks like tags.
+/// Reads the tags of an XML text one after another; of text that is not XML whatever looks like tags.
 class XmlTags {
  public:
   explicit XmlTags(std::string_view text) : text_(text) {}

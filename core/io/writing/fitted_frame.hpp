@@ -8,7 +8,7 @@
 
 namespace emberfold::io {
 
-/// What the frames of a clip may be that is written.
+/// Formats that the frames of a written clip may have.
 struct FrameFormat {
   cv::Size size;
   bool colour = true;
@@ -16,11 +16,11 @@ struct FrameFormat {
   bool sixteen_bits = false, floats = false, opacity = false;
 };
 
-/// Returns the frame as a clip of this format holds it, a grey one in a colour clip with three channels.
-/// Throws core::InputError, naming the clip, where it does not fit.
+/// Converts a frame to this format, a grey one in a colour clip to three channels. Throws core::InputError,
+/// naming the clip, where it does not fit.
 cv::Mat fitted_frame(const cv::Mat& frame, const FrameFormat& format, const std::filesystem::path& clip);
 
-/// Throws core::IoError: what cannot be written, and why.
+/// Throws core::IoError that says what cannot be written, and why.
 [[noreturn]] void refuse_to_write(const std::filesystem::path& clip, const std::string& reason);
 
 }  // namespace emberfold::io

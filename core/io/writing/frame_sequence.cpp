@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// OpenCV reads and writes EXR only where this was set before it first asks.
+/// Enables EXR in OpenCV, which looks at this only once.
 void enable_exr() {
   static const bool once = [] {
     ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);  // NOLINT(concurrency-mt-unsafe): once
@@ -35,8 +35,7 @@ void enable_exr() {
   static_cast<void>(once);
 }
 
-/// Returns where a pattern's only number stands; nothing where it has none, several, or other signs of a
-/// pattern.
+/// Returns the position of a pattern's only number; nothing where it has none, several, or other wildcards.
 std::optional<std::size_t> only_number(const std::string& pattern) {
   constexpr std::size_t kMostDigits = 9;
   const auto at = pattern.find('%');
@@ -62,7 +61,7 @@ fs::path absolute_folder(const fs::path& path) {
   return folder.has_filename() ? folder : folder.parent_path();  // a slash at the end
 }
 
-/// Refuses a target that holds, or is, what is not ours to replace.
+/// Refuses a target that is, or holds, anything not ours to replace.
 void check_replaceable(const fs::path& folder, const std::string& pattern) {
   std::error_code error;
   const fs::file_status status = fs::status(folder, error);
@@ -75,7 +74,7 @@ void check_replaceable(const fs::path& folder, const std::string& pattern) {
   if (error) refuse_to_write(folder, error.message());
 }
 
-/// Removes a folder of frames; whatever else is in it stays, and the folder with it.
+/// Removes a folder of frames; if anything else is in it, that and the folder stay.
 void remove_frames(const fs::path& folder, const std::string& pattern) {
   std::error_code ignored;
   std::vector<fs::path> frames;

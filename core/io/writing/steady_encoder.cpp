@@ -40,7 +40,7 @@ namespace {
 std::mutex mutex;
 int living = 0;  // several writers may be at work
 
-/// glibc fills what it hands out with the complement of this, and what it takes back with this; 0: neither.
+/// Fills memory that glibc takes back with this, and what it allocates with the complement; 0: neither.
 void fill_memory(int change, int byte) {
   const std::lock_guard lock(mutex);
   const bool was = living > 0;

@@ -6,12 +6,12 @@
 #endif
 
 // The H.264 encoder (x264 164) makes other bytes of the same frames with another number of threads, and it
-// reads memory that it never wrote: what was there before decides between choices that are equally good.
-// OpenCV 4.6 hands no option on to it. These two make it steady all the same.
+// reads memory that it never wrote, whose content then decides between equally good choices. OpenCV 4.6
+// passes no option to it. These two classes make its output reproducible.
 namespace emberfold::io {
 
-/// Lets this thread have one processor while it lives: an encoder that starts meanwhile finds one, and takes
-/// one thread.
+/// Restricts this thread to one processor during its lifetime: an encoder started meanwhile finds one, and
+/// uses one thread.
 class OneProcessor {
  public:
   OneProcessor();
@@ -26,8 +26,7 @@ class OneProcessor {
   bool changed_ = false;
 };
 
-/// While one lives, memory that is allocated is filled with zeros. Where the C library is not glibc, nothing
-/// happens.
+/// Fills allocated memory with zeros while one exists. Does nothing where the C library is not glibc.
 class CleanMemory {
  public:
   CleanMemory();
