@@ -24,7 +24,7 @@ namespace {
 
 using Graphs = std::span<const graph::AttributeGraph>;
 
-constexpr std::size_t most_frames = 5000;  // as dytex::learn takes them
+constexpr std::size_t most_frames = 5000;  // the limit of dytex::learn
 constexpr std::size_t fewest_frames = 6;   // a third of which are two components
 
 cv::Mat sketchable(const graph::AttributeGraph& graph, cv::Size size) {
