@@ -106,7 +106,7 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
   }
 }
 
-/// Returns as many frames as a calibration draws, from the middle of the clip.
+/// Returns frames from the middle of the clip, at most the number that a calibration draws.
 graph::SketchSequence middle_frames(const graph::SketchSequence& sketch) {
   const std::size_t count = std::min<std::size_t>(sketch.frames.size(), kCalibrationFrames);
   graph::SketchSequence middle{sketch.width, sketch.height, sketch.fps, {}};

@@ -52,7 +52,7 @@ struct AnalyzeOptions {
   std::string clip = "the clip";  ///< its name in messages
 };
 
-/// How much is spent on a clip's events.
+/// Names the effort spent on a clip's events.
 enum class Quality {
   draft,   ///< the match unchanged: every event has probability 1; rates are not corrected
   normal,  ///< events are weighed by what the images show

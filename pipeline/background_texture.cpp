@@ -31,7 +31,7 @@ cv::Mat sketchable(const graph::AttributeGraph& graph, cv::Size size) {
   return sketch::draw_fitted(graph, size, 1).mask;
 }
 
-/// The masks of a sketch, white where patches lie.
+/// The masks of a sketch, white where patches are.
 class MaskSource final : public core::FrameSource {
  public:
   MaskSource(Graphs graphs, const core::ClipInfo& clip) : graphs_(graphs), info_(clip) {

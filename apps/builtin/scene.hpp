@@ -76,7 +76,7 @@ struct Bridge {
   Presence presence;
 };
 
-/// The strokes of a built-in clip with all their events.
+/// The strokes of a built-in clip and all their events.
 struct Scene {
   BuiltinOptions options;
   std::vector<Body> bodies;

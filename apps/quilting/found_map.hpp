@@ -25,7 +25,7 @@ struct FoundMap {
 void seek_map(FoundMap& found, const QuiltClips& clips, const QuiltRequest& request,
               const std::filesystem::path& checkpoint, Session& session);
 
-/// Reads a map whose places lie in clips of these sizes. Throws core::IoError or core::InputError with its
+/// Reads a map whose places are in clips of these sizes. Throws core::IoError or core::InputError with its
 /// name.
 dytex::QuiltMap read_map(const std::string& name, const std::vector<cv::Size>& sizes);
 

@@ -107,8 +107,7 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
   FrameProgress progress(session.context, "sketch", info.frames);
   const SketchDictionary* dictionary = request.dictionary;
   sketch::ExtractOptions extract = request.extract;
-  if (dictionary != nullptr && !dictionary->graphs.empty())
-    extract.steady = false;  // they are temporally consistent already
+  if (dictionary != nullptr && !dictionary->graphs.empty()) extract.steady = false;  // already consistent
   pipeline::stream_steady_frames(
       source, "sketch", extract, session.context, 0,
       [&](int t) {

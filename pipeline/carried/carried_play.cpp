@@ -73,7 +73,7 @@ std::vector<Index> patches_within(const graph::AttributeGraph& graph, Index from
   return {found.begin(), found.end()};
 }
 
-/// Returns whether no free end and no junction lies within kFromEnd patches of a curve's inner patch.
+/// Returns whether no free end and no junction is within kFromEnd patches of a curve's inner patch.
 bool is_inside(const graph::AttributeGraph& graph, Index vertex) {
   if (graph.degree(vertex) != 2) return false;
   for (const Index side : graph.neighbours(vertex)) {
@@ -184,7 +184,7 @@ void CarriedPlay::hide_gap(const std::vector<Index>& vertices, bool sudden) {
   hidings_[hide(vertices, sudden)].most = vertices.size();
 }
 
-/// Returns whether the clip moves at half of the patches, and they do not belong to what stands still.
+/// Returns whether the clip moves at half of the patches or more, and these do not stand still.
 bool CarriedPlay::moves(const std::vector<Index>& vertices) const {
   const auto& graph = clip_->graph(frame_);
   const auto moving = std::ranges::count_if(vertices, [&](Index v) {

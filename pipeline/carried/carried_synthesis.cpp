@@ -180,7 +180,7 @@ void CarriedSynthesis::draw_moments(std::int64_t last, const core::Context& cont
                          }});
 }
 
-/// Finds the motion from each moment after which one of the next `count` frames lies.
+/// Finds the motion from each moment after which one of the next `count` frames is due.
 void CarriedSynthesis::find_motion(std::int64_t count, const core::Context& context) {
   std::set<std::int64_t> missing;
   for (auto n = next_frame_; n < next_frame_ + count; ++n)

@@ -21,7 +21,7 @@ struct StrokeLife {
 /// A clip's frames with their strokes, and look-ups in both.
 class SeenClip {
  public:
-  /// `frames`: CV_8U, 1 or 3 channels; `strokes`: identified, of as many frames of that size.
+  /// `frames`: CV_8U, 1 or 3 channels; `strokes`: identified, of the same number of frames of that size.
   /// Throws core::InputError where they disagree.
   SeenClip(std::vector<cv::Mat> frames, graph::MotionGraph strokes);
 
@@ -41,7 +41,7 @@ class SeenClip {
   }
   /// Returns the strokes of at least four frames that were born in the clip.
   [[nodiscard]] const std::vector<StrokeLife>& lives() const { return lives_; }
-  /// Returns whether a patch of frame t lies within kNear px of a place.
+  /// Returns whether a patch of frame t is within kNear px of a place.
   [[nodiscard]] bool occupied(int t, graph::Point place) const {
     return !places_[static_cast<std::size_t>(t)].find_near(place).empty();
   }

@@ -57,7 +57,7 @@ struct StrokeDistances {
   /// RMS over the six classes of ln (rate / reference's rate), with half an event added to each count.
   double event_rates = 0;
   std::optional<double> lifetime, length;  ///< |ln (mean / reference's mean)|; none where either has none
-  /// True where the clip's mean lies in the 95 % interval of the reference's; of rates by graph::EventType.
+  /// True where the clip's mean is in the 95 % interval of the reference's; of rates by graph::EventType.
   std::array<bool, 6> rate_inside{};
   bool lifetime_inside = false, length_inside = false;
 

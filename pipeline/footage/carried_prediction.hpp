@@ -24,7 +24,7 @@ struct CarriedPrediction {
 };
 
 /// Learns the weights by least squares from at most 24 starts in a clip, regularised towards those of the
-/// whole frame. Reads the clip twice and holds as many frames as the greatest step. Throws core::InputError
+/// whole frame. Reads the clip twice and holds the greatest step's number of frames. Throws core::InputError
 /// for a clip with no frame to predict, core::Cancelled.
 CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<const int> steps,
                                            const core::Context& context);

@@ -50,7 +50,7 @@ bool is_within(const cv::Mat& levels, Point p) {
   return p.x >= kMargin && p.y >= kMargin && p.x < levels.cols - kMargin && p.y < levels.rows - kMargin;
 }
 
-/// Returns whether the patch lies between a drawn one and a neighbour of that, on the same curve.
+/// Returns whether the patch is between a drawn one and a neighbour of that, on the same curve.
 bool lies_on_edge(const Patch& patch, const graph::AttributeGraph& drawn, std::uint32_t v) {
   const Point from = drawn.patch(v).position;
   return std::ranges::any_of(drawn.neighbours(v), [&](std::uint32_t w) {

@@ -150,7 +150,7 @@ struct PooledEvent {
   std::vector<std::pair<std::size_t, std::size_t>> members;
 };
 
-/// Returns whether the shorter of two strokes that appear or vanish lies on the longer: a part of it that one
+/// Returns whether the shorter of two strokes that appear or vanish is on the longer: a part of it that one
 /// interpretation shows a frame earlier or later than the rest.
 bool is_part(const Reading& a, const graph::TracedEvent& of_a, const Reading& b,
              const graph::TracedEvent& of_b) {

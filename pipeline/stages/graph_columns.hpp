@@ -8,8 +8,7 @@
 #include "graph/motion_graph.hpp"
 #include "pipeline/sketch_clip.hpp"
 
-// Graphs as columns that store every number of every patch bit by bit, so that reading returns what was
-// written.
+// Graphs as columns that store every number of every patch bit by bit.
 namespace emberfold::pipeline {
 
 /// Adds the graphs of frames. `frames` (frames + 1 × 2, int64): offsets of each frame's patches and edges; of
