@@ -42,6 +42,9 @@ void check_options(const AnalyzeOptions& options) {
     throw core::InputError("AnalyzeOptions.curve_events and sample exclude each other");
   if (options.in_noise && (options.bottom_up || options.sample))
     throw core::InputError("AnalyzeOptions.in_noise excludes bottom_up and sample");
+  if (!(options.least_probability >= 0 && options.least_probability <= 1))
+    throw core::InputError("AnalyzeOptions.least_probability is " +
+                           std::to_string(options.least_probability) + "; allowed is 0 to 1");
   if (options.texture < 0 || options.texture > 500)
     throw core::InputError("AnalyzeOptions.texture is " + std::to_string(options.texture) +
                            "; allowed is 0 (none) to 500");
@@ -171,9 +174,10 @@ StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sket
 
 /// Chooses the events to report and, where they are weighed, makes the motion graph agree with them.
 void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
-  if (!options.bottom_up && !options.curve_events) follow_strokes(analysis.motion, analysis.all_events);
+  if (!options.bottom_up && !options.curve_events)
+    follow_strokes(analysis.motion, analysis.all_events, options.least_probability);
   std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
-                       [](const graph::Event& event) { return event.probability >= kLikely; });
+                       [&](const graph::Event& e) { return e.probability >= options.least_probability; });
   analysis.contacts = graph::event_contacts(
       options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, analysis.events);
 }

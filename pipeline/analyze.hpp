@@ -21,6 +21,7 @@
 #include "mcmc/sampler/infer.hpp"
 #include "pipeline/calibration.hpp"
 #include "pipeline/clip_model.hpp"
+#include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/readings.hpp"
 #include "pipeline/review/review_calibration.hpp"
 #include "pipeline/sketch_clip.hpp"
@@ -44,7 +45,8 @@ struct AnalyzeOptions {
   /// Also looks for events in a copy of the clip with added noise; those found again there are more probable.
   /// Takes about twice the time.
   bool in_noise = false;
-  bool keep_sketch = false;  ///< keep sketches as extracted, and the backgrounds of the frames
+  double least_probability = kLikely;  ///< 0…1, of reported events
+  bool keep_sketch = false;            ///< keep sketches as extracted, and the backgrounds of the frames
   /// Answers of a person about the clip's events: taken as facts, the others are inferred anew
   /// (apply_review).
   std::optional<std::vector<graph::ReviewedEvent>> review = {};
@@ -79,7 +81,7 @@ struct Analysis {
   /// matched.
   graph::MotionGraph motion;
   std::vector<graph::CurveJoint> joints;  ///< where curves continue each other or touch
-  std::vector<graph::Event> events;       ///< of probability 0.5 or more
+  std::vector<graph::Event> events;       ///< of AnalyzeOptions::least_probability or more
   std::vector<graph::Contact> contacts;   ///< how the parts meet, for each of `events`
   std::vector<graph::Event> all_events;   ///< of any probability
   ClipModel model;
@@ -97,9 +99,9 @@ class AnalysisStages;
 /// Each event has the probability that the images show it (event_posterior), unless options ask otherwise.
 /// Reads the clip five times, frame by frame, and keeps all graphs. The model's rates are learned; they are
 /// corrected when strokes are first drawn from it (RateCorrection). `stages`: stores the results of each
-/// stage and returns those that an earlier call stored. Equal clips, options and seeds give equal
-/// results at any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError
-/// for a clip of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:
+/// stage and returns those that an earlier call stored. Equal clips, options and seeds give equal results at
+/// any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError for a clip
+/// of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:
 ///
 ///     auto clip = io::open_video("flag.avi");
 ///     auto result = pipeline::analyze(*clip, {});

@@ -115,6 +115,29 @@ Json motion_json(const graph::MotionGraph& motion) {
           {"trajectories", graph::trajectories(motion).size()}};
 }
 
+/// Returns the expected number of true events, by class, and its SD, assuming independence.
+Json expected_json(const std::vector<graph::Event>& all) {
+  const auto rounded = [](double v) { return std::round(10 * v) / 10; };
+  Json classes = Json::object();
+  double total = 0, variance = 0, likeliest = 0;
+  for (const auto type : graph::all_event_types()) {
+    double sum = 0;
+    for (const graph::Event& e : all)
+      if (e.type == type) sum += e.probability;
+    classes[std::string(graph::name(type))] = rounded(sum);
+    total += sum;
+  }
+  for (const graph::Event& e : all) {
+    variance += e.probability * (1 - e.probability);
+    likeliest = std::max(likeliest, e.probability);
+  }
+  return {{"of", all.size()},
+          {"total", rounded(total)},
+          {"sd", rounded(std::sqrt(variance))},
+          {"likeliest", std::round(100 * likeliest) / 100},
+          {"classes", classes}};
+}
+
 /// Counts the sure, likely and doubtful events among `all` candidates.
 Json certainty_json(const std::vector<graph::Event>& all) {
   constexpr double kSure = 0.9, kLikely = 0.5, kDoubtful = 0.05;
@@ -122,8 +145,10 @@ Json certainty_json(const std::vector<graph::Event>& all) {
     return std::ranges::count_if(
         all, [&](const graph::Event& e) { return e.probability >= from && e.probability < to; });
   };
-  return {
-      {"sure", count(kSure, 2)}, {"likely", count(kLikely, kSure)}, {"doubtful", count(kDoubtful, kLikely)}};
+  return {{"sure", count(kSure, 2)},
+          {"likely", count(kLikely, kSure)},
+          {"doubtful", count(kDoubtful, kLikely)},
+          {"expected", expected_json(all)}};
 }
 
 Json events_json(const std::vector<graph::Event>& events, std::size_t frames) {
@@ -210,6 +235,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
                         {"curve_events", options.curve_events},
                         {"sample", options.sample},
                         {"in_noise", options.in_noise},
+                        {"least_probability", options.least_probability},
                         {"calibrate", options_json(options.calibrate)},
                         {"texture", options.texture},
                         {"fill", options_json(options.fill)}};

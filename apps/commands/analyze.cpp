@@ -14,6 +14,7 @@
 #include "apps/commands/analyze_options.hpp"
 #include "apps/runs/run_folder.hpp"
 #include "core/io/files.hpp"
+#include "core/text/format_number.hpp"
 #include "graph/io/review_io.hpp"
 #include "graph/io/units.hpp"
 
@@ -133,6 +134,9 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
   AnalyzeOptions options = asked.options;
   apply_quality(asked.quality, options);
   options.read = check_reading(asked.reading, session);
+  if (!(options.least_probability >= 0 && options.least_probability <= 1))
+    throw Misuse("--least-probability is " + core::number_text(options.least_probability) +
+                 "; allowed is 0 to 1");
   if (options.texture < 0 || options.texture > 500)
     throw Misuse("--texture is " + std::to_string(options.texture) + "; allowed is 0 to 500");
   check_options(options.sketch, "sketch");
@@ -161,6 +165,8 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
                 "Sample graphs and links by MCMC (slow; see docs/method/sampler.md)")
       ->excludes(bottom_up)
       ->excludes(curve_events);
+  add_number(command, "--least-probability", options.least_probability, "P",
+             "Report events of this probability or more");
   add_sketch_options(command, options.sketch);
   command.add_flag_callback(
       "--no-jsonl", [&options] { options.jsonl = false; },

@@ -202,9 +202,19 @@ function buildRates() {
   }));
 }
 
+// What is said where no event is probable enough to be listed.
+function withoutEvents(expected, least) {
+  if (!expected?.of) return "The graphs of this clip show no change.";
+  const range = [expected.total - 1.645 * expected.sd, expected.total + 1.645 * expected.sd].map((v) => number(Math.max(0, Math.round(v))));
+  const classes = Object.entries(expected.classes).filter(([, n]) => n >= .5).map(([name, n]) => `${name} ${number(Math.round(n))}`);
+  return `No single change has a probability of ${least} or more (the likeliest has ${expected.likeliest}). Of the ${number(expected.of)} changes that the graphs show, `
+    + `${range[0]} to ${range[1]} are expected to have happened (90 %${classes.length ? "; " + classes.join(", ") : ""}). events_all.json lists them, `
+    + `review.html shows the doubtful ones, and analyze --least-probability lowers the limit.`;
+}
+
 function buildEvents() {
   const totals = data.series.events.map((list, k) => summary.events?.classes?.[classes[k].name] ?? Math.round(sum(list) * data.series.step));
-  $("events-lead").textContent = events.total === 0 ? "No stroke is born, dies, splits, merges, connects or comes apart in this clip."
+  $("events-lead").textContent = events.total === 0 ? withoutEvents(summary.events?.expected, summary.options?.least_probability ?? .5)
     : events.every === 1 ? "Choose one on the time line or in the table to see its place; the arrow keys walk on from there."
       : `Choose one to see its place. Of ${number(events.total)} events every ${events.every}. is listed here; events.csv has all. Counts and rates are of all.`;
   $("chips").append(...classes.map((kind, k) => make("button", {type: "button", "aria-pressed": true, onclick: (click) => {

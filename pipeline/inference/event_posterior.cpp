@@ -65,8 +65,9 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipR
   return events;
 }
 
-void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events) {
-  graph::keep_identity(motion, all_events, kLikely);
+void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,
+                    double least_probability) {
+  graph::keep_identity(motion, all_events, least_probability);
   graph::link_skipped_patches(motion);
 }
 

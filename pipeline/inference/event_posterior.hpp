@@ -11,7 +11,7 @@
 
 namespace emberfold::pipeline {
 
-inline constexpr double kLikely = 0.5;  ///< least probability of reported events
+inline constexpr double kLikely = 0.5;  ///< least probability of reported events, by default
 
 /// Holds the probabilities of weighed events.
 struct EventProbabilities {
@@ -32,7 +32,9 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipR
                                           const core::Context& context = {});
 
 /// Makes the strokes of a matched clip agree with its weighed events: they keep their identity through all
-/// unlikely events (graph::keep_identity), and skipped patches are linked (graph::link_skipped_patches).
-void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events);
+/// events of less than this probability (graph::keep_identity), and skipped patches are linked
+/// (graph::link_skipped_patches).
+void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,
+                    double least_probability = kLikely);
 
 }  // namespace emberfold::pipeline

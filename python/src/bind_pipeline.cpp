@@ -42,6 +42,7 @@ void bind_options(py::module_& module) {
       .field("curve_events", &Options::curve_events)
       .field("sample", &Options::sample)
       .field("in_noise", &Options::in_noise)
+      .field("least_probability", &Options::least_probability)
       .field("review", &Options::review)
       .field("seed", &Options::seed)
       .field("clip", &Options::clip)

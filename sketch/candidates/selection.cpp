@@ -122,7 +122,7 @@ class Selection {
     return sum;
   }
 
-  // The variance about a profile that nobody would call wrong.
+  // Residual variance that is accepted: noise, 1.5 grey levels and 5 % of the contrast.
   [[nodiscard]] double tolerated(const TrialLevels& levels) const {
     constexpr double kShare = 0.05;  // of the contrast
     const double error =

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <fstream>
+#include <string>
 
 #include "tests/apps/commands/command_check.hpp"
 
@@ -103,6 +105,37 @@ TEST_CASE("a run that is done is not done again, and other options make what dep
 
   fs::resize_file(run / "stages/sketch/numbers.npy", 200);
   CHECK(told(analyze({}), "sketch"));
+}
+
+TEST_CASE("the least probability decides what is reported, and the clip is not read again for it") {
+  const TempFolder temp;
+  const auto clip = write_strokes(temp / "clip.avi", {120, 90}, 24, 5);
+  const auto run = temp / "run";
+  const auto analyze = [&](const char* least) {
+    return run_command({"analyze", clip, "-o", run.string(), "--least-probability", least});
+  };
+  REQUIRE(analyze("0.5").exit == 0);
+  const auto events = [&](const char* name) { return Json::parse(bytes_of(run / name))["events"]; };
+  const Json all = events("events_all.json"), expected = summary_of(run)["events"]["expected"];
+  double sum = 0, classes = 0;
+  for (const Json& e : all) sum += e["probability"].get<double>();
+  for (const auto& [name, of_class] : expected["classes"].items()) classes += of_class.get<double>();
+  REQUIRE(sum > 0);
+  CHECK(expected["of"] == all.size());
+  CHECK_THAT(expected["total"].get<double>(), WithinAbs(sum, 0.051));
+  CHECK_THAT(classes, WithinAbs(sum, 0.3));  // rounded to tenths
+  for (const char* least : {"0", "0.98", "1"}) {
+    const auto again = analyze(least);
+    INFO(least << ": " << again.err);
+    REQUIRE(again.exit == 0);
+    CHECK_FALSE(contains(again.err, "emberfold: match\n"));
+    const Json reported = events("events.json");
+    CHECK(reported.size() == static_cast<std::size_t>(std::ranges::count_if(all, [&](const Json& e) {
+            return e["probability"].get<double>() >= std::stod(least);
+          })));
+  }
+  check_one_line({"analyze", clip, "-o", (temp / "no").string(), "--least-probability", "1.5", "-q"}, 2,
+                 {"--least-probability is 1.5", "0 to 1"}, temp / "no");
 }
 
 TEST_CASE("the model of a run that is drawn from stays as it is, and its correction is made once") {
