@@ -25,7 +25,7 @@ struct BenchmarkOptions {
   std::vector<SceneKind> kinds = all_scene_kinds();
   int scenes = 1;  ///< of each kind, with consecutive seeds, 1…100
   int frames = 100;
-  cv::Mat picture;         ///< shaken in the scenes `sway`; empty: a drawn one
+  cv::Mat picture;         ///< the picture of `sway`; empty: a drawn one
   bool make_only = false;  ///< make the scenes, find no events
   bool bottom_up = false;  ///< emberfold reports the match unchanged
   std::vector<BenchmarkEntry> entries;

@@ -61,7 +61,7 @@ Line line_at(const LineScene& scene, const SceneLine& line, int frame);
 /// Adds an event at a line's point, given by the share of its length, at its place in the event's frame.
 void tell(LineScene& scene, int frame, graph::EventType type, const SceneLine& line, double share);
 
-/// Draws all frames (CV_8UC1) over a gently varying background, with noise. The same at any number of
+/// Draws all frames (CV_8UC1) over a gently varying background, with noise. The same bytes at any number of
 /// threads.
 std::vector<cv::Mat> draw_scene(const LineScene& scene, const core::Context& context);
 

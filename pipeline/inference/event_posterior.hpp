@@ -26,7 +26,7 @@ struct EventProbabilities {
 EventProbabilities event_probabilities(std::span<const WeighedEvent> weighed);
 
 /// Finds the events of a matched clip, each with the probability that the clip shows it.
-/// They are weighed (weigh_events), and sorted as by graph::sort_events. The result is the same at any number
+/// They are weighed (weigh_events), and sorted as by graph::sort_events. The same bytes at any number
 /// of threads. Throws as weigh_events does.
 std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipReadings& readings,
                                           const core::Context& context = {});
