@@ -109,7 +109,7 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
   }
 }
 
-/// Returns as many frames as a calibration draws, from the middle of the clip.
+/// Returns frames from the middle of the clip, at most the number that a calibration draws.
 graph::SketchSequence middle_frames(const graph::SketchSequence& sketch) {
   const std::size_t count = std::min<std::size_t>(sketch.frames.size(), kCalibrationFrames);
   graph::SketchSequence middle{sketch.width, sketch.height, sketch.fps, {}};
@@ -118,11 +118,11 @@ graph::SketchSequence middle_frames(const graph::SketchSequence& sketch) {
   return middle;
 }
 
-/// Tells what the model's rates are to be corrected by when strokes are first drawn of it.
+/// Returns the correction that the model's rates need before strokes are first drawn from it.
 std::optional<RateCorrection> rate_correction(const StartSketches& sketches, const AnalyzeOptions& options,
                                               const mcmc::FitResult& fitted, const core::Context& context) {
   if (options.calibrate.calibrate == 0) return std::nullopt;
-  // Drawn clips are read without lasting patches, too.
+  // Drawn clips are analysed without filled-in patches, too.
   const auto motion =
       graph::match(middle_frames(sketches.clip.sketch), options.match, context.with_progress({}));
   const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
@@ -136,7 +136,7 @@ std::optional<RateCorrection> rate_correction(const StartSketches& sketches, con
                         options.fill};
 }
 
-/// Learns the texture between the strokes into the model; nothing where the clip is none to learn from.
+/// Learns the texture between the strokes into the model. Returns nothing, with a warning, where that fails.
 std::optional<LearnedTexture> learn_texture(core::FrameSource& source, const graph::SketchSequence& sketch,
                                             int components, ClipModel& model, const core::Context& context) {
   BackgroundTextureOptions options;
@@ -153,7 +153,7 @@ std::optional<LearnedTexture> learn_texture(core::FrameSource& source, const gra
   }
 }
 
-/// Sketches the clip and the copies that its readings need, or reads what is kept of it.
+/// Sketches the clip and the copies that its interpretations need, or reads the sketches that are kept.
 StartSketches sketch_readings(core::FrameSource& source, const AnalyzeOptions& options,
                               const AnalysisStages* stages, const core::Context& context) {
   constexpr int kWithOneCopy = 3;  // chains
@@ -164,7 +164,7 @@ StartSketches sketch_readings(core::FrameSource& source, const AnalyzeOptions& o
   return {stages->sketch(source, options.sketch, context), {}};
 }
 
-/// Adds to the readings of a clip the patches that they lack though the clip shows them.
+/// Adds to the sketches the patches that they lack although the clip shows them.
 StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sketches,
                                    const core::Context& context) {
   sketches.clip.sketch = add_lasting_patches(source, sketches.clip.sketch, context);
@@ -172,7 +172,7 @@ StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sket
   return sketches;
 }
 
-/// Chooses the events to report, and lets the motion graph follow them where they are weighed.
+/// Chooses the events to report and, where they are weighed, makes the motion graph agree with them.
 void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
   if (!options.bottom_up && !options.curve_events)
     follow_strokes(analysis.motion, analysis.all_events, options.least_probability);
@@ -210,7 +210,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
   if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());
 }
 
-/// Learns all that new clips are drawn with. `fitted`: how the strokes move.
+/// Learns everything that new clips are drawn with. `fitted`: how the strokes move.
 LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketches,
                          sketch::Background background, const AnalyzeOptions& options,
                          const Analysis& analysis, mcmc::FitResult fitted, core::StageClock& clock,
@@ -274,7 +274,7 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   auto learned = stages != nullptr ? stages->read_model() : std::nullopt;
   sketch::Background background;
   if (!learned) background = sketch::estimate_background(sketches.clip.grounds);
-  sketches.clip.grounds = {};  // they grow with the clip, and nothing else asks for them
+  sketches.clip.grounds = {};  // they grow with the clip, and nothing else needs them
   mcmc::FitResult fitted;
   find_motion(source, sketches, options, stages, learned.has_value(), analysis, fitted, clock, context);
   if (!learned) {

@@ -39,52 +39,53 @@ struct AnalyzeOptions {
   mcmc::InferOptions infer = {};
   CalibrateOptions calibrate = {};
   int texture = 0;            ///< components of the texture between the strokes, 1…500; 0: none is learned
-  bool bottom_up = false;     ///< the match as it is, each event of probability 1
-  bool curve_events = false;  ///< events of curves, to which touching and crossing is none, not of strokes
-  bool sample = false;        ///< sample graphs and links; events are then looked for in the samples
-  /// Events are looked for in a copy of the clip in noise, too: what comes again there is more probable.
-  /// About twice the time.
+  bool bottom_up = false;     ///< the match unchanged, each event of probability 1
+  bool curve_events = false;  ///< events of curves, not of strokes; touching and crossing are no events
+  bool sample = false;        ///< sample graphs and links; events are then taken from the samples
+  /// Also looks for events in a copy of the clip with added noise; those found again there are more probable.
+  /// Takes about twice the time.
   bool in_noise = false;
-  double least_probability = kLikely;  ///< 0…1, of the events that are reported
+  double least_probability = kLikely;  ///< 0…1, of reported events
   bool keep_sketch = false;            ///< keep sketches as extracted, and the backgrounds of the frames
-  /// What a person said of the clip's events: taken as facts, the others are inferred anew (apply_review).
+  /// Answers of a person about the clip's events: taken as facts, the others are inferred anew
+  /// (apply_review).
   std::optional<std::vector<graph::ReviewedEvent>> review = {};
   std::uint64_t seed = 1;
   std::string clip = "the clip";  ///< its name in messages
 };
 
-/// How much is spent on a clip's events.
+/// Names the effort spent on a clip's events.
 enum class Quality {
-  draft,   ///< the match as it is: every event has probability 1; rates are not corrected
+  draft,   ///< the match unchanged: every event has probability 1; rates are not corrected
   normal,  ///< events are weighed by what the images show
-  sure     ///< a copy of the clip in noise is read, too: twice the time
+  sure     ///< a copy of the clip with added noise is analysed, too: twice the time
 };
 /// Returns the quality of that name; nothing for an unknown name.
 std::optional<Quality> quality(std::string_view name);
-/// Sets what a quality stands for; normal changes nothing. Throws core::InputError for `sure` with bottom_up
-/// or sample, which it excludes.
+/// Sets the options of a quality; normal changes nothing.
+/// Throws core::InputError for `sure` with bottom_up or sample, which it excludes.
 void set_quality(AnalyzeOptions& options, Quality quality);
 
 /// Holds figures of the texture learned between the strokes.
 struct LearnedTexture {
   Eigen::Index components = 0;
-  double hidden_share = 0;  ///< of the clip's pixels, those that patches cover, 0…1
+  double hidden_share = 0;  ///< share of the clip's pixels that patches cover, 0…1
   double r = 0;             ///< SD of the observation noise, grey levels
 };
 
 /// Holds the results of analyze().
 struct Analysis {
   SketchedClip sketched;  ///< empty without AnalyzeOptions::keep_sketch
-  /// With strokes and curves. Strokes keep their identity through what is no event (graph::keep_identity),
+  /// With strokes and curves. Strokes keep their identity where no event changes them (graph::keep_identity),
   /// and skipped patches are linked (graph::link_skipped_patches), unless events are of curves, or taken as
   /// matched.
   graph::MotionGraph motion;
-  std::vector<graph::CurveJoint> joints;  ///< where curves go on or touch
+  std::vector<graph::CurveJoint> joints;  ///< where curves continue each other or touch
   std::vector<graph::Event> events;       ///< of AnalyzeOptions::least_probability or more
-  std::vector<graph::Contact> contacts;   ///< how the parts meet, of each of `events`
+  std::vector<graph::Contact> contacts;   ///< how the parts meet, for each of `events`
   std::vector<graph::Event> all_events;   ///< of any probability
   ClipModel model;
-  /// Rates of births, deaths, splits, merges, connects and disconnects, a frame, with their intervals.
+  /// Rates of births, deaths, splits, merges, connects and disconnects, per frame, with their intervals.
   std::array<mcmc::RateInterval, 6> rates{};
   std::optional<mcmc::InferResult> sampled;  ///< with AnalyzeOptions::sample
   std::optional<ReviewedClip> reviewed;      ///< with AnalyzeOptions::review; its events are all_events
@@ -95,12 +96,12 @@ struct Analysis {
 class AnalysisStages;
 
 /// Analyses a clip: sketches, motion, events and the model that new clips are drawn from.
-/// Events have the probability that the images show them (event_posterior), unless options ask otherwise.
-/// Reads the clip five times, frame by frame, and keeps all graphs. The model's rates are learned, and wait
-/// to be corrected where strokes are drawn of it (RateCorrection). `stages`: keeps what each stage makes, and
-/// gives what an earlier call kept. Equal clips, options and seeds give equal
-/// results at any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError
-/// for a clip of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:
+/// Each event has the probability that the images show it (event_posterior), unless options ask otherwise.
+/// Reads the clip five times, frame by frame, and keeps all graphs. The model's rates are learned; they are
+/// corrected when strokes are first drawn from it (RateCorrection). `stages`: stores the results of each
+/// stage and returns those that an earlier call stored. Equal clips, options and seeds give equal results at
+/// any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError for a clip
+/// of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:
 ///
 ///     auto clip = io::open_video("flag.avi");
 ///     auto result = pipeline::analyze(*clip, {});

@@ -24,14 +24,14 @@ namespace {
 
 using Graphs = std::span<const graph::AttributeGraph>;
 
-constexpr std::size_t most_frames = 5000;  // as dytex::learn takes them
+constexpr std::size_t most_frames = 5000;  // the limit of dytex::learn
 constexpr std::size_t fewest_frames = 6;   // a third of which are two components
 
 cv::Mat sketchable(const graph::AttributeGraph& graph, cv::Size size) {
   return sketch::draw_fitted(graph, size, 1).mask;
 }
 
-/// The masks of a sketch, white where patches lie.
+/// The masks of a sketch, white where patches are.
 class MaskSource final : public core::FrameSource {
  public:
   MaskSource(Graphs graphs, const core::ClipInfo& clip) : graphs_(graphs), info_(clip) {

@@ -26,16 +26,16 @@ struct BackgroundTextureOptions {
 struct BackgroundTexture {
   dytex::LinearDynamicTexture texture;
   double hidden = 0;               ///< share of the clip's pixels that patches cover, 0…1
-  std::vector<std::string> notes;  ///< one line for each number that was not taken as asked or measured
+  std::vector<std::string> notes;  ///< one line for each number that was not used as requested or measured
 };
 
 /// Learns a texture from a clip with its strokes hidden.
-/// `graphs`: the sketch, a graph for each frame in order. Pixels that draw_fitted() draws are hidden, and
-/// first filled by diffusion. Each round learns the texture in closed form and replaces them by its
-/// estimates. Many rounds approach maximum likelihood on the visible pixels (dytex::learn_missing), where
-/// rarely visible pixels are undetermined and appear as specks; few rounds keep them near the diffusion. Uses
-/// the first 5000 frames. Throws InputError for fewer than 6 frames, or where graphs and frames differ in
-/// number, and core::Cancelled. Cost: 1 + rounds times dytex::learn(), and a fill for each frame.
+/// `graphs`: the sketch, a graph for each frame in order. Hides the pixels that draw_fitted() draws and first
+/// fills them by diffusion. Each round learns the texture in closed form and replaces them by its estimates.
+/// Many rounds approach maximum likelihood on the visible pixels (dytex::learn_missing), where rarely visible
+/// pixels are undetermined and appear as specks; few rounds keep them near the diffusion. Uses the first 5000
+/// frames. Throws InputError for fewer than 6 frames, or where graphs and frames differ in number, and
+/// core::Cancelled. Cost: 1 + rounds times dytex::learn(), and a fill for each frame.
 BackgroundTexture learn_background_texture(core::FrameSource& source,
                                            std::span<const graph::AttributeGraph> graphs,
                                            const BackgroundTextureOptions& options = {},

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kAtOnce = 8;
 
-/// Multiplied by how many times too few were seen, as if one more had been in all.
+/// Multiplies `wanted` by the factor by which too few were seen, as if one more event had been in all.
 void correct(double& wanted, double source, double seen, double one, double step) {
   wanted *= std::pow(std::clamp((source + one) / (seen + one), 0.25, 4.0), step);
 }

@@ -15,14 +15,14 @@
 
 namespace emberfold::pipeline {
 
-/// Most frames that are drawn in a round of a calibration, and looked at in the clip.
+/// Maximum number of frames that one round of a calibration draws, and that it examines in the clip.
 inline constexpr int kCalibrationFrames = 150;
 
 /// Holds the settings of calibrate().
 struct CalibrateOptions {
-  int calibrate = 2;  ///< made when strokes are first drawn from the model
+  int calibrate = 2;  ///< done when strokes are first drawn from the model
 
-  /// Returns what checks, help and docstrings say of the fields.
+  /// Returns the fields' descriptions for checks, help and docstrings.
   static auto fields() {
     using core::between;
     return std::to_array<core::OptionField<CalibrateOptions>>({
@@ -41,18 +41,18 @@ struct ReadingAndDrawing {
   sketch::RenderOptions look;
 };
 
-/// Draws a clip from the model, analyses it bottom-up and returns its event statistics.
+/// Returns the event statistics of a clip drawn from the model, analysed bottom-up.
 /// `frames` ≥ 2 frames from the stationary state are drawn, sketched and matched. Throws core::Cancelled.
 mcmc::EventStatistics seen_when_drawn(const mcmc::MotionModel& model, const ReadingAndDrawing& how,
                                       int frames, std::uint64_t seed, const core::Context& context);
 
-/// Corrects the rates of a learned model so that drawn and analysed clips show the statistics `source`.
-/// `source` is of the clip itself, from the same bottom-up analysis. A detector misses some events and finds
-/// others that did not happen, which only an analysis of drawn clips can measure (indirect inference:
-/// Gourieroux, Monfort & Renault 1993). In each round as many frames as the clip has, at most 150, are drawn
-/// and analysed; the frequency of each kind of event that the model is balanced to is multiplied by (source /
-/// seen)^(1 / round). Number and sizes of strokes are not corrected: the undetected ones lie under others,
-/// and more strokes would hide more. Returns the statistics of each round before its correction. Throws
+/// Corrects a learned model's rates so that drawn clips, once analysed, show the statistics `source`.
+/// `source` is of the clip itself, from the same bottom-up analysis. A detector misses some events and
+/// reports others that did not happen, which only an analysis of drawn clips can measure (indirect inference:
+/// Gourieroux, Monfort & Renault 1993). In each round the clip's number of frames, at most 150, are drawn and
+/// analysed; the frequency that the model is balanced to for each kind of event is multiplied by (source /
+/// seen)^(1 / round). Number and sizes of strokes are not corrected: undetected strokes are under others, and
+/// more strokes would hide more. Returns the statistics of each round before its correction. Throws
 /// core::Cancelled.
 std::vector<mcmc::EventStatistics> calibrate(mcmc::FitResult& fitted, const mcmc::EventStatistics& source,
                                              const ReadingAndDrawing& how, const CalibrateOptions& options,

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kTexturePart = "texture";  // the folder beside model.json
+constexpr const char* kTexturePart = "texture";  // the folder next to model.json
 constexpr std::array kFills = {ModelFill::footage, ModelFill::carried, ModelFill::diffusion,
                                ModelFill::texture, ModelFill::dytex};
 
@@ -170,8 +170,8 @@ bool holds_footage_strokes(const std::string& folder) {
 
 sketch::Sharpening fit_sharpening(const mcmc::MotionModel& model, const sketch::Background& background,
                                   double wanted, std::uint64_t seed, const core::Context& context) {
-  constexpr std::size_t frames = 60, least = 3, most = 10;  // of which so many are looked at
-  constexpr double pixels = 2.5e6;                          // of these together, where they are large
+  constexpr std::size_t frames = 60, least = 3, most = 10;  // of which some are examined
+  constexpr double pixels = 2.5e6;                          // of the examined frames together
   const sketch::RenderOptions look = render_options(model, background, {});
   auto all = FrameSynthesis(mcmc::Synthesis(model, seed), look).parts(frames, context);
   const auto every = frames / std::clamp(static_cast<std::size_t>(pixels / look.size.area()), least, most);

@@ -17,15 +17,15 @@
 
 namespace emberfold::pipeline {
 
-/// Holds a clip's model: strokes, their motion, and all that their frames are drawn with.
+/// Holds a clip's model: strokes, their motion, and everything that its frames are drawn with.
 struct ClipModel {
   mcmc::MotionModel motion;
-  sketch::Background background;  ///< still pixels between the strokes, and the range of levels
+  sketch::Background background;  ///< static pixels between the strokes, and the range of levels
   sketch::Sharpening sharpening;
   std::optional<ResidualTexture> residual = {};             ///< for ModelFill::texture
   std::optional<dytex::LinearDynamicTexture> texture = {};  ///< for ModelFill::dytex
   std::optional<Footage> footage = {};                      ///< for ModelFill::footage and carried
-  std::optional<RateCorrection> correction = {};            ///< to be made before strokes are drawn
+  std::optional<RateCorrection> correction = {};            ///< applied when strokes are first drawn
 };
 
 /// Packs a model for its folder: model.json and arrays.
@@ -39,12 +39,12 @@ ClipModel clip_model(const core::ModelArchive& archive);
 /// Returns why no clip can be drawn from a model (no exemplars, all rates 0); empty if one can.
 std::string why_undrawable(const mcmc::MotionModel& model);
 
-/// What a new clip is made of: the clip's own frames, or strokes and a fill between them.
+/// Source of a new clip: the clip's own frames, or strokes and a fill between them.
 enum class ModelFill {
-  footage,  ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
-  carried,  ///< frames of the clip and, where the strokes seen in them are edited, their pixels carried along
-  diffusion,  ///< levels that diffuse from the strokes and the still background
-  texture,    ///< diffusion and on it a Gaussian texture with the statistics of the clip's residual
+  footage,    ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
+  carried,    ///< frames of the clip; where their strokes are edited, pixels are transferred
+  diffusion,  ///< levels diffused from the strokes and the still background
+  texture,    ///< diffusion plus a Gaussian texture with the statistics of the clip's residual
   dytex       ///< a linear dynamic texture learned from the pixels between the strokes
 };
 std::string_view name(ModelFill fill);
@@ -59,7 +59,7 @@ ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fi
 /// Returns whether the model in a folder holds the strokes of its clip's frames, for ModelFill::carried.
 bool holds_footage_strokes(const std::string& folder);
 
-/// Finds the sharpening at which the mean gradient on the patches' flanks over 60 frames is `wanted`.
+/// Finds the sharpening at which the mean gradient on the flanks of patches over 60 frames is `wanted`.
 /// `wanted`: levels/px, the clip's own. Throws core::Cancelled.
 sketch::Sharpening fit_sharpening(const mcmc::MotionModel& model, const sketch::Background& background,
                                   double wanted, std::uint64_t seed, const core::Context& context = {});

@@ -27,21 +27,21 @@ struct ClipSynthesisOptions {
   std::uint64_t seed = 1;
   std::optional<ModelFill> fill_kind = {};  ///< none: the model's footage, or without one the diffusion
   mcmc::Start start = mcmc::Start::data;    ///< the clip's own strokes, or the model's stationary law
-  double speed = 1;              ///< of the footage or the residual, −100…100, not 0; below 0 backwards
-  mcmc::MotionEdit edit = {};    ///< of ModelFill::carried alone; other strokes are drawn of an edited model
-  std::optional<int> loop = {};  ///< of footage and carried strokes: frames until it begins anew, ≥ 2
+  double speed = 1;  ///< speed of the footage or the residual, −100…100, not 0; below 0 backwards
+  mcmc::MotionEdit edit = {};    ///< of ModelFill::carried alone; otherwise edit the model (edit_model)
+  std::optional<int> loop = {};  ///< for footage and carried: frames until the clip repeats, ≥ 2
   sketch::FillOptions fill = {};
 };
 
-/// Draws new frames of a clip's model without end: CV_8U, with the model's size and rate.
+/// Draws an endless number of new frames of a clip's model: CV_8U, with the model's size and rate.
 /// Equal models, options and seeds give equal frames, whatever the number of threads and calls. Example:
 ///
 ///     pipeline::ClipSynthesis synthesis(model, {.seed = 7});
 ///     io::write_video("new.mp4", synthesis, 300);
 class ClipSynthesis final : public core::FrameSource {
  public:
-  /// Keeps a copy of the model, whose rates are corrected first where strokes are drawn of them and they wait
-  /// for it (correct_rates). Throws core::InputError where it lacks the part that options.fill_kind needs;
+  /// Keeps a copy of the model; where strokes are drawn from it, a pending correction of its rates comes
+  /// first (correct_rates). Throws core::InputError where it lacks the part that options.fill_kind needs;
   /// core::Cancelled.
   explicit ClipSynthesis(ClipModel model, const ClipSynthesisOptions& options = {},
                          const core::Context& context = {});
@@ -54,19 +54,20 @@ class ClipSynthesis final : public core::FrameSource {
   /// Draws the next `count` frames on several threads and hands them to `take`.
   /// They are handed over in order and one at a time, while the next ones are drawn. Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take);
-  /// Returns statistics of the strokes drawn so far, those ahead of next() included; nothing of a footage.
+  /// Returns statistics of the strokes drawn so far, those ahead of next() included; null for a footage.
   [[nodiscard]] const SynthesisStatistics* statistics() const {
     return frames_ ? &frames_->statistics() : carried_ ? &carried_->statistics() : nullptr;
   }
   /// Returns the graphs of the clip's first `count` ≥ 1 frames with their links. Throws core::InputError for
   /// a clip of footage, which draws no strokes; core::Cancelled.
   [[nodiscard]] graph::MotionGraph motion(int count) const;
-  /// Returns the synthesis of the footage; nothing where strokes are drawn.
+  /// Returns the synthesis of the footage; null where strokes are drawn.
   [[nodiscard]] const FootageSynthesis* footage() const { return footage_ ? &*footage_ : nullptr; }
-  /// Returns where in the clip the pixels of a frame come from; to be called while each() hands it over,
-  /// before which next() was not called. Throws core::InputError where strokes are drawn.
+  /// Returns the sources in the clip of a frame's pixels.
+  /// To be called while each() hands the frame over, and not after next(). Throws core::InputError where
+  /// strokes are drawn.
   [[nodiscard]] FrameSources sources() const;
-  /// Returns what the clip is made of.
+  /// Returns the source of the clip.
   [[nodiscard]] ModelFill fill_kind() const { return fill_kind_; }
 
  private:

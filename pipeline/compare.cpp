@@ -30,7 +30,7 @@ int count_frames(core::FrameSource& source, int clip, const core::Context& conte
   return frames;
 }
 
-// Returns why there is no PSNR between two clips; nothing where there is.
+// Returns why two clips have no PSNR; empty where they have one.
 std::string why_no_psnr(const core::ClipInfo& a, int frames_a, const core::ClipInfo& b, int frames_b) {
   if (a.width != b.width || a.height != b.height) return "the sizes differ";
   if (a.channels != b.channels) return "one is grey, the other in colour";

@@ -28,9 +28,9 @@
 
 namespace emberfold::pipeline {
 
-/// Least number of frames of a clip that is compared.
+/// Minimum number of frames of a clip that is compared.
 constexpr int kFewestFrames = 8;
-/// Most frames of a synthesized clip.
+/// Maximum number of frames of a synthesized clip.
 constexpr int kMostSynthesized = 1'000'000;
 
 /// Holds the settings of compare() and compare_models().
@@ -48,7 +48,7 @@ struct CompareOptions {
   bool curve = false;
   bool strokes = true;
 
-  /// Returns what checks, help and docstrings say of the fields.
+  /// Returns the fields' descriptions for checks, help and docstrings.
   static auto fields() {
     using core::above, core::between, core::kOnOff;
     return std::to_array<core::OptionField<CompareOptions>>({
@@ -71,9 +71,9 @@ struct CompareOptions {
   void validate() const;
 };
 
-/// Holds results for the whole clip that the caller already has; null ones are made by the comparison.
+/// Holds results for the whole clip that the caller already has; the comparison computes null ones.
 struct KnownModels {
-  const SketchedClip* sketched = nullptr;  ///< as extracted: match() steadies a sketch with frames to come
+  const SketchedClip* sketched = nullptr;  ///< as extracted, since match() removes flicker with later frames
   /// Models of the whole clip. Clips are drawn from them instead of from those of the clip's first part.
   const mcmc::MotionModel* motion_model = nullptr;
   const sketch::Sharpening* sharpening = nullptr;  ///< of motion_model; null: none
@@ -93,8 +93,8 @@ std::string short_clip_text(const std::string& name, int frames);
 
 /// Names a clip of a comparison to its observer.
 struct ObservedClip {
-  std::string key;    ///< "a" and "b"; "source" and the key of each model
-  std::string label;  ///< to read
+  std::string key;    ///< "a" and "b", or "source" and the key of each model
+  std::string label;  ///< for display
   core::ClipInfo info;
   int frames = 0;
 };
@@ -118,14 +118,14 @@ struct ClipComparison {
   ClipDistances distances;           ///< of b from a
   ClipDistances noise_floor;         ///< of a's first half from its second
   std::optional<double> psnr, ssim;  ///< of all frames: dB, at most 100; −1…1, of luma
-  std::string no_psnr_reason;        ///< in words, where psnr and ssim are missing
+  std::string no_psnr_reason;        ///< why psnr and ssim are missing
 };
 
 /// Measures the distances of clip `b` from clip `a`, of pixels and strokes.
-/// Pixels are compared by spectra, flow, patterns and sharpness. Distances should be read beside the noise
-/// floor, that of a's own halves. PSNR and SSIM are measured where sizes, channels and lengths agree. Reads
-/// both clips twice and keeps a batch of frames. The result is the same at any number of threads. Throws
-/// ShortClipError, InputError for options out of range, core::Cancelled. Example:
+/// Pixels are compared by spectra, flow, patterns and sharpness. Distances should be compared with the noise
+/// floor, the distance between a's own halves. PSNR and SSIM are measured where sizes, channels and lengths
+/// agree. Reads both clips twice and keeps a batch of frames. The result is the same at any number of
+/// threads. Throws ShortClipError, InputError for options out of range, core::Cancelled. Example:
 ///     const auto found = pipeline::compare(*clip, *other);
 ///     std::cout << found.distances.pixels.temporal_db << " dB, floor " <<
 ///     found.noise_floor.pixels.temporal_db;
@@ -135,7 +135,7 @@ ClipComparison compare(core::FrameSource& a, core::FrameSource& b, const Compare
 /// Holds a model of a comparison and the clip that was drawn from it.
 struct ModelResult {
   std::string key, label;  ///< key: "motion_model", "hybrid", "footage", "linear_dynamic_texture" or "star"
-  double parameters = 0;   ///< numbers that it takes to draw from the model
+  double parameters = 0;   ///< numbers needed to draw from the model
   ClipProfile drawn;
   ClipDistances distances;  ///< of the drawn clip from the source
 };
@@ -143,12 +143,12 @@ struct ModelResult {
 /// Holds the comparison of a clip with its models.
 struct ModelComparison {
   MeasureScale scale;
-  int frames = 0, learned_frames = 0;  ///< of the clip; of its first part, which models learned from
+  int frames = 0, learned_frames = 0;  ///< of the clip; of its first part, which the models are learned from
   int drawn_frames = 0;                ///< of each model's clip
   ClipProfile source;
   ClipDistances noise_floor;                     ///< of the source's first half from its second
   std::vector<ModelResult> models;               ///< those that could be learned
-  std::optional<PredictionMeasures> prediction;  ///< none where nothing was left to predict
+  std::optional<PredictionMeasures> prediction;  ///< none where no frames remain to be predicted
   std::optional<SizeCurve> size_curve;           ///< with CompareOptions::curve
 };
 

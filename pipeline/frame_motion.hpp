@@ -12,9 +12,9 @@
 
 namespace emberfold::pipeline {
 
-/// Computes the motion between neighbouring entries that have none yet, in parallel: `on`, from the frame
-/// `luma` to the next, and `back`, from there. At most 2^14 vectors each: more make no sketch steadier.
-/// `entries`: by index, in order of the frames. Throws core::Cancelled.
+/// Computes the missing motion between neighbouring entries, in parallel: `on`, from the frame `luma` to the
+/// next, and `back`, from the next to it. At most 2^14 vectors each: more do not make sketches more
+/// consistent. `entries`: by index, in order of the frames. Throws core::Cancelled.
 template <class Entries>
 void compute_motion(Entries& entries, const core::Context& context) {
   constexpr double kMostVectors = 1 << 14;

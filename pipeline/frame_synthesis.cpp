@@ -56,7 +56,7 @@ int FrameSynthesis::batch() const {
   return static_cast<int>(core::frames_at_once(look_.size.width, look_.size.height, look_.channels));
 }
 
-/// The next frame's graph, with those of the frames to come behind it.
+/// Returns the next frame's graph, followed by those of later frames.
 FrameSynthesis::Drawn FrameSynthesis::take() {
   while (ahead_.size() <= sketch::FadeInOut::kAhead) {
     Drawn drawn{strokes_.next(), {}};
@@ -119,7 +119,7 @@ FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
   look.channels = info.channels;
   dytex::SynthesisOptions options;
   options.seed = seed;
-  // The texture goes with the synthesis that refers to it.
+  // Keeps the texture alive as long as the synthesis that refers to it.
   struct Drawn {
     std::shared_ptr<const dytex::LinearDynamicTexture> texture;
     dytex::Synthesis synthesis;

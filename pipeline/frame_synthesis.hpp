@@ -33,11 +33,11 @@ struct SynthesisStatistics {
   std::array<std::size_t, 6> operators{};     ///< births, deaths, splits, merges, connects, disconnects
 };
 
-/// Draws new frames of a model without end, from its graphs and, if given, backgrounds.
-/// The frames are the same whatever the number of threads and of calls.
+/// Draws an endless number of new frames of a model, from its graphs and, if given, backgrounds.
+/// The frames are the same at any number of threads and calls.
 class FrameSynthesis {
  public:
-  /// Called once for each frame, in order, to add a background or a residual; none: the diffusion.
+  /// Adds a background or a residual; called once for each frame, in order. None: the diffusion.
   using Between = std::function<void(sketch::FrameContent&)>;
   FrameSynthesis(mcmc::Synthesis strokes, sketch::RenderOptions look, Between between = {});
 
@@ -49,7 +49,7 @@ class FrameSynthesis {
   std::vector<cv::Mat> next(int count, const core::Context& context = {});
   /// Returns the contents of the next `count` frames without drawing them.
   std::vector<sketch::FrameContent> parts(int count, const core::Context& context = {});
-  /// Returns the best number of frames to ask for at once: 16, or as many as 192 MB hold.
+  /// Returns the best number of frames per call: 16, or those that 192 MB hold.
   [[nodiscard]] int batch() const;
   /// Returns the statistics of the frames so far.
   [[nodiscard]] const SynthesisStatistics& statistics() const { return statistics_; }
@@ -79,7 +79,7 @@ FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
                              sketch::RenderOptions look, std::uint64_t seed,
                              mcmc::Start start = mcmc::Start::data);
 
-/// Draws strokes of a motion model, the diffusion between them, and the clip's residual on all.
+/// Draws strokes of a motion model, the diffusion between them, with the clip's residual added.
 /// The residual runs `residual_speed` times as fast.
 FrameSynthesis residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual,
                                sketch::RenderOptions look, std::uint64_t seed,

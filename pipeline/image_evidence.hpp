@@ -11,7 +11,8 @@
 
 namespace emberfold::pipeline {
 
-/// Computes the evidence of patches from a clip's frames: the gain in coding length of sketch.
+/// Computes the evidence of patches from a clip's frames: the gain in coding length that the library sketch
+/// computes.
 /// Keeps the luma of all frames, 4 bytes a pixel.
 class ImageEvidence final : public mcmc::Evidence {
  public:
@@ -19,7 +20,7 @@ class ImageEvidence final : public mcmc::Evidence {
   ImageEvidence(core::FrameSource& source, const core::Context& context);
 
   [[nodiscard]] int frames() const { return static_cast<int>(frames_.size()); }
-  /// Returns the gain, nats. Throws core::InputError for a frame that the clip does not have.
+  /// Returns the gain, nats. Throws core::InputError for a frame outside the clip.
   [[nodiscard]] double gain(int frame, const graph::Patch& patch) const override;
 
  private:

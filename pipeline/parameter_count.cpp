@@ -4,7 +4,7 @@
 namespace emberfold::pipeline {
 
 double parameter_count(const mcmc::MotionModel& model) {
-  // Place, direction, width, blur, contrast, three levels of three channels; type. An edge: its two ends.
+  // Position, direction, width, blur, contrast, three levels of three channels; type. An edge: its two ends.
   constexpr double kPatch = 16, kEdge = 2, kScalars = 6 + 6 + 16 + 8;
   const auto numbers = [](const graph::AttributeGraph& graph) {
     return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());

@@ -6,8 +6,9 @@
 
 namespace emberfold::pipeline {
 
-/// Returns how many numbers of a model are needed to draw from it: of strokes, places, looks and edges of the
-/// first frame and of the exemplars, the maps, the laws and the rates; of a texture mean, C, A and B.
+/// Returns how many of a model's numbers are needed to draw from it.
+/// Of strokes: positions, appearance and edges of the first frame and of the exemplars, the maps, the
+/// distributions and the rates; of a texture: mean, C, A and B.
 double parameter_count(const mcmc::MotionModel& model);
 double parameter_count(const dytex::LinearDynamicTexture& texture);
 

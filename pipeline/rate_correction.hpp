@@ -16,14 +16,14 @@ namespace emberfold::pipeline {
 
 struct ClipModel;
 
-/// What a model's rates have yet to be corrected by (calibrate): how the clip was analysed, and what was seen
-/// in it. It is kept with the model, so that a model's folder alone suffices to correct it. Only clips of
-/// drawn strokes need it, so it is not done before one is drawn.
+/// Holds a pending correction of a model's rates (calibrate): how the clip was analysed, and its statistics.
+/// Stored with the model, so that a model's folder alone suffices to correct it. Only clips of drawn strokes
+/// need it, so it is not applied before one is drawn.
 struct RateCorrection {
   int rounds = 0;  ///< 1…20
   std::uint64_t seed = 1;
   mcmc::EventStatistics source;    ///< of the clip, matched bottom-up
-  mcmc::EventStatistics observed;  ///< that the rates are balanced to (mcmc::FitResult)
+  mcmc::EventStatistics observed;  ///< those to which the rates are balanced (mcmc::FitResult)
   sketch::ExtractOptions sketch;
   graph::MatchOptions match;
   sketch::FillOptions fill;
@@ -31,12 +31,11 @@ struct RateCorrection {
 
 /// Adds a correction to a motion model's archive, in model.json under "correction".
 void add_rate_correction(core::ModelArchive& archive, const RateCorrection& correction);
-/// Reads the correction that a model waits for; nothing where there is none. Throws core::IoError for a
-/// damaged one.
+/// Reads a model's pending correction; nothing where there is none. Throws core::IoError for a damaged one.
 std::optional<RateCorrection> read_rate_correction(const core::ModelArchive& archive);
 
-/// Makes the correction that the model waits for, if any; then it waits no more. Returns what was seen in
-/// each round. Throws core::Cancelled. Cost: rounds × at most 150 frames drawn, sketched and matched.
+/// Applies the model's pending correction, if any, and removes it. Returns the observed statistics of each
+/// round. Throws core::Cancelled. Cost: rounds × at most 150 frames drawn, sketched and matched.
 std::vector<mcmc::EventStatistics> correct_rates(ClipModel& model, const core::Context& context = {});
 
 }  // namespace emberfold::pipeline

@@ -17,7 +17,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr std::uint32_t kNoiseStream = 0x73746172;  // apart from all other draws of the seed
+constexpr std::uint32_t kNoiseStream = 0x73746172;  // separate from all other draws with the seed
 
 std::size_t copies(const std::vector<StartReading>& readings) {
   return static_cast<std::size_t>(
@@ -59,7 +59,7 @@ StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOpti
   const std::size_t count = copies(readings(options));
   extract.validate();
   struct Frame {
-    std::vector<graph::AttributeGraph> graphs;  // the clip's own, then those of the noisy copies
+    std::vector<graph::AttributeGraph> graphs;  // of the clip, then of the noisy copies
     sketch::FrameBackground ground;
   };
   const auto& info = source.info();

@@ -17,12 +17,12 @@
 
 namespace emberfold::pipeline {
 
-/// Holds how often a clip is read for the starts of a sampler's chains.
+/// Holds the number of interpretations of the clip from which a sampler's chains start.
 struct StartOptions {
-  int chains = 3;  ///< with an odd number no share is exactly a half
+  int chains = 3;  ///< with an odd number no share is exactly one half
   double perturb = 2;
 
-  /// Returns what checks, help and docstrings say of the fields.
+  /// Returns the fields' descriptions for checks, help and docstrings.
   static auto fields() {
     using core::between;
     return std::to_array<core::OptionField<StartOptions>>({
@@ -36,37 +36,37 @@ struct StartOptions {
   void validate() const;
 };
 
-/// Holds one reading of the clip.
+/// Names one interpretation of the clip.
 struct StartReading {
   std::optional<std::size_t> copy;  ///< index of the noisy copy; none: the clip itself
   bool backwards = false;           ///< matched backwards in time, then reversed
 };
-/// Returns the reading of each chain.
-/// The clip forwards, the clip backwards, a noisy copy forwards, another one backwards, and so on in turns of
-/// four. At least half of all starts are of the clip itself.
+/// Returns the interpretation of each chain. These are the clip forwards, the clip backwards, a noisy copy
+/// forwards, another one backwards, and so on in cycles of four. At least half of all starts are of the clip
+/// itself.
 std::vector<StartReading> readings(const StartOptions& options);
 
-/// Holds the sketch of the clip and those of its noisy copies, as many as the readings need.
+/// Holds the sketch of the clip and those of the noisy copies that the interpretations need.
 struct StartSketches {
   SketchedClip clip;
   std::vector<graph::SketchSequence> perturbed;
 };
 
-/// Reads the clip once and sketches each frame and its noisy copies.
+/// Sketches each frame and its noisy copies, reading the clip once.
 /// The noise is white, Gaussian, independent in all channels and not clipped; luma has the SD `perturb`. It
 /// depends on (seed, copy, frame) alone. Holds some frames and all graphs. Throws InputError,
-/// core::Cancelled. Cost: 1 + copies sketches a frame.
+/// core::Cancelled. Cost: 1 + copies sketches per frame.
 StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOptions& extract,
                             const StartOptions& options, std::uint64_t seed, const core::Context& context);
 
-/// Matches every reading and returns a start for each chain, with strokes identified.
-/// Chains with the same reading start alike. Forward and backward matching differ in ambiguous matches, since
-/// velocities are carried on. Throws InputError where the number of copies does not fit the readings, and
-/// core::Cancelled.
+/// Matches every interpretation and returns a start for each chain, with strokes identified.
+/// Chains with the same interpretation start alike. Forward and backward matching differ in ambiguous
+/// matches, since velocities are predicted. Throws InputError where the number of copies does not fit the
+/// interpretations, and core::Cancelled.
 std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, const graph::MatchOptions& match,
                                              const StartOptions& options, const core::Context& context);
 
-/// Sketches and matches dispersed starts for chains that cannot cross every barrier between readings.
+/// Sketches and matches dispersed starts, since chains cannot cross every barrier between interpretations.
 std::vector<graph::MotionGraph> dispersed_starts(core::FrameSource& source,
                                                  const sketch::ExtractOptions& extract,
                                                  const graph::MatchOptions& match,

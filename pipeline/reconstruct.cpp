@@ -22,10 +22,10 @@ sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGra
 graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const sketch::Sketchable& drawn,
                                   const cv::Mat& levels, double share) {
   const auto pixels = static_cast<double>(levels.total());
-  // The small number keeps a share of whole pixels whole.
+  // The small number keeps shares that are whole pixels whole.
   const double room = std::floor(share * pixels + 1e-9) - cv::countNonZero(drawn.mask);
   if (room < 1) return graph;
-  // Half a pixel more, so that rounding does not take one away.
+  // Half a pixel more, so that rounding does not remove one.
   const cv::Mat anchors = sketch::choose_anchors(levels, drawn, std::min(1.0, (room + 0.5) / pixels));
   return sketch::add_anchors(graph, levels, anchors);
 }

@@ -14,28 +14,27 @@ namespace emberfold::pipeline {
 /// Source of the patches' pixels: their attributes, the frame, or the dictionary.
 enum class PatchDrawing { fitted, pixels, learned };
 
-/// Holds a frame that was drawn again from its sketch.
+/// Holds a frame that was reconstructed from its sketch.
 struct Reconstruction {
   cv::Mat bytes;     ///< CV_8U, channels of the frame
-  double share = 0;  ///< held: of patches and anchors, 0…1
+  double share = 0;  ///< share of the frame in patches and anchors, 0…1
   double psnr = 0;   ///< dB against the frame, at most dytex::kMostPsnr
   bool converged = true;
-  int regions = 0;                ///< textures that the background was drawn with
+  int regions = 0;                ///< textures with which the background was drawn
   double histogram_distance = 0;  ///< of the background from the frame, 0…1; only with julesz
 };
 
 /// Draws the patches and anchors and fills the rest by diffusion.
-/// A frame without them becomes its mean level. `levels`: CV_32F, white = 255.
+/// A frame without either becomes its mean level. `levels`: CV_32F, white = 255.
 Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
                            const sketch::FillOptions& options);
 
-/// Draws the patches and anchors alone, patches from their attributes or with the frame's pixels.
+/// Draws only the patches and anchors; patches from their attributes or with the frame's pixels.
 sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,
                                 PatchDrawing drawing);
 
-/// Adds anchors to a frame's graph where the diffusion needs them most beside what is `drawn` of it.
-/// Both together show at most `share` (0…1) of the frame; nothing is added where the drawing shows as much
-/// already.
+/// Adds anchors to a frame's graph where the diffusion needs them most, given what is `drawn` of it. Together
+/// they show at most `share` (0…1) of the frame; adds none where the drawing already shows that much.
 graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const sketch::Sketchable& drawn,
                                   const cv::Mat& levels, double share);
 

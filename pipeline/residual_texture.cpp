@@ -21,11 +21,11 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr std::size_t kMostPairs = 20, kLeastPairs = 3;
-constexpr double kPixels = 5e6;  // of all frames together: enough for the texture, little enough to be kept
-constexpr int kMargin = 3;       // px beside a patch that its own misfit may reach
-constexpr double kCoarse = 4;    // px, SD: coarser levels are left to diffusion and strokes
-constexpr double kLeastStrength = 0.5;  // grey levels: below it there is only rounding
-constexpr double kSeenShare = 0.02;     // of a cell's pixels over all frames, for an estimate of its strength
+constexpr double kPixels = 5e6;         // of all frames together: enough for the texture, with bounded memory
+constexpr int kMargin = 3;              // px around a patch that its own misfit may reach
+constexpr double kCoarse = 4;           // px, SD: coarser levels are left to diffusion and strokes
+constexpr double kLeastStrength = 0.5;  // grey levels: anything weaker is rounding
+constexpr double kSeenShare = 0.02;     // of a cell's pixels over all frames, to estimate its strength
 
 /// Difference of a frame from its drawing, and where it is valid.
 struct Residual {
@@ -39,7 +39,7 @@ cv::Mat in_channels(const cv::Mat& plane, int channels) {
   return all;
 }
 
-/// Less its mean around, over what of it is seen.
+/// Subtracts the local mean of the valid part.
 cv::Mat fine_part(const Residual& residual) {
   cv::Mat weights, sums;
   residual.seen.convertTo(weights, CV_32F, 1 / 255.0);
@@ -62,8 +62,8 @@ Residual residual_of(const cv::Mat& frame, const core::ClipInfo& info, const gra
   return residual;
 }
 
-/// Of pairs of neighbouring frames, spread over the clip: the first of a pair, then the second. Reads the
-/// clip once.
+/// Reads pairs of neighbouring frames, spread over the clip, in one pass; returns the first of a pair, then
+/// the second.
 std::vector<Residual> read_pairs(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                                  const sketch::RenderOptions& look, const core::Context& context) {
   const auto affordable = static_cast<std::size_t>(kPixels / (2.0 * look.size.area()));
@@ -98,19 +98,19 @@ std::vector<Residual> read_pairs(core::FrameSource& source, std::span<const grap
   return residuals;
 }
 
-/// Linear between the middles of cells.
+/// Interpolates linearly between the centres of cells.
 cv::Mat spread(const cv::Mat& values, cv::Size frame) {
   return core::spread_cells(values, sketch::kBackgroundCell)(cv::Rect({0, 0}, frame)).clone();
 }
 
-/// Each pixel's channels times a square table.
+/// Multiplies each pixel's channels by a square matrix.
 cv::Mat transform_channels(const cv::Mat& values, const cv::Mat& table) {
   cv::Mat result;
   cv::transform(values, result, table);
   return result;
 }
 
-/// SD by cell; what was hardly seen takes it from cells around. Empty where nothing was seen.
+/// Returns the SD by cell; hardly visible cells take it from neighbours. Empty where nothing is visible.
 cv::Mat measure_strength(std::span<const Residual> residuals, cv::Size frame) {
   cv::Mat squares = cv::Mat::zeros(core::count_cells(frame, sketch::kBackgroundCell), CV_32F),
           counts = squares.clone();
@@ -130,13 +130,13 @@ cv::Mat measure_strength(std::span<const Residual> residuals, cv::Size frame) {
   return sketch::fill(strength, known).levels;
 }
 
-/// Brings the residuals into units of their strength.
+/// Divides the residuals by their strength.
 void normalise(std::span<Residual> residuals, const cv::Mat& strength, const sketch::RenderOptions& look) {
   const cv::Mat unit = in_channels(cv::max(spread(strength, look.size), kLeastStrength), look.channels);
   for (Residual& residual : residuals) residual.values /= unit;
 }
 
-/// The principal components of what colours there are.
+/// Returns the principal components of the colours.
 cv::Mat measure_colours(std::span<const Residual> residuals, int channels) {
   cv::Mat products = cv::Mat::zeros(channels, channels, CV_64F), strengths, colours;
   for (const Residual& residual : residuals) {

@@ -22,13 +22,12 @@ namespace emberfold::pipeline {
 
 /// Holds the texture of a clip's residual.
 struct ResidualTexture {
-  /// One texture for each principal component of the colours, greatest first; a single one if grey. In units
+  /// One texture for each principal component of the colours, largest first; a single one if grey. In units
   /// of `strength`.
   std::vector<dytex::GaussianTexture> textures;
   cv::Mat colours;  ///< CV_32F, square, a row a component: blue, green, red; orthonormal
-  cv::Mat
-      strength;  ///< CV_32F, ≥ 0, over cells of kBackgroundCell px: SD of all channels together, grey levels
-  double speed = 1;  ///< at which it runs, −100…100, not 0; below 0 backwards
+  cv::Mat strength;  ///< CV_32F, ≥ 0, over cells of kBackgroundCell px: joint SD of all channels, grey levels
+  double speed = 1;  ///< of playback, −100…100, not 0; below 0 backwards
   [[nodiscard]] bool empty() const { return textures.empty(); }
 };
 
@@ -40,7 +39,7 @@ struct ResidualTexture {
 ResidualTexture measure_residual(core::FrameSource& source, std::span<const graph::AttributeGraph> graphs,
                                  const sketch::RenderOptions& look, const core::Context& context);
 
-/// Draws new frames of the residual without end, the same at any number of threads.
+/// Draws an endless number of new frames of the residual, the same at any number of threads.
 class ResidualFrames {
  public:
   ResidualFrames(const ResidualTexture& residual, cv::Size frame, std::uint64_t seed, double speed = 1);

@@ -13,8 +13,8 @@
 
 namespace emberfold::pipeline {
 
-/// Options of a sketch whose strokes are followed in time, unless others are asked for. What appears and
-/// disappears from frame to frame would count as events.
+/// Default options of a sketch whose strokes are followed in time: strokes that flicker would count as
+/// events.
 inline constexpr sketch::ExtractOptions kSteadySketch = {.sensitivity = 0.35};
 
 /// Options of a sketch that is looked at, not followed in time, unless others are asked for.
@@ -26,12 +26,12 @@ struct SketchedClip {
   std::vector<sketch::FrameBackground> grounds;
 };
 
-/// Receives the frames from `first` on that are sketched by now.
+/// Receives the frames sketched so far, from `first` on.
 using KeepSketch = std::function<void(const SketchedClip& clip, std::size_t first)>;
 
-/// Sketches a clip from its first frame, some frames on several threads at once. `begun`: frames that an
-/// earlier call kept; the result is the same with them. `keep` is called after every few frames, and in any
-/// case after the last, for those that it has not been given yet. Throws core::Cancelled.
+/// Sketches a clip from its first frame, some frames on several threads at once.
+/// `begun`: frames stored by an earlier call; the result is the same with them. `keep` is called after every
+/// few frames, and always after the last, with those that it has not yet received. Throws core::Cancelled.
 SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions& options,
                          const core::Context& context, SketchedClip begun = {}, const KeepSketch& keep = {});
 

@@ -14,7 +14,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-// Follows one motion and then the next; both of frames of this size, in vectors of one grid.
+// Composes two successive motions, of frames of this size, as vectors on one grid.
 cv::Mat followed_by(const cv::Mat& motion, const cv::Mat& next, cv::Size frame) {
   const auto across = static_cast<float>(motion.cols) / static_cast<float>(frame.width),
              down = static_cast<float>(motion.rows) / static_cast<float>(frame.height);
@@ -39,7 +39,7 @@ graph::AttributeGraph inside_mask(const graph::AttributeGraph& graph, const cv::
               y = std::clamp(static_cast<int>(std::lround(at.y)), 0, mask.rows - 1);
     return mask.at<std::uint8_t>(y, x) != 0;
   };
-  // A patch whose neighbours all lie outside is no stroke of its own.
+  // Drops a patch whose neighbours are all outside: it is no stroke of its own.
   const auto stays = [&](std::size_t i) {
     return inside(i) && (graph.degree(i) == 0 || std::ranges::any_of(graph.neighbours(i), inside));
   };
@@ -116,7 +116,7 @@ std::vector<FrameReading> SteadyFrames::steady(std::size_t i) const {
     if (at >= away) add(at - away);
     if (at + away < entries_.size()) add(at + away);
   }
-  // The most alike come first: an order that a clip played backwards has too.
+  // The most similar come first, an order that reversing the clip does not change.
   std::ranges::stable_sort(neighbours, {}, [](const Neighbour& n) { return cv::mean(n.difference)[0]; });
   for (std::size_t reading = 0; reading < result.size(); ++reading) {
     std::vector<sketch::CarriedSketch> carried;

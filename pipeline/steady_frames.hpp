@@ -21,45 +21,45 @@
 
 namespace emberfold::pipeline {
 
-/// Holds a frame as it was read, perhaps with noise added, and its sketch.
+/// Holds a frame, perhaps with added noise, and its sketch.
 struct FrameReading {
   cv::Mat levels;  ///< CV_32F, 1 or 3 channels, white = 255
   graph::AttributeGraph graph;
 };
 
 /// Returns levels (CV_32F) in a quarter of the memory, CV_8U, where they are whole numbers up to 255; others
-/// as they are. O(pixels).
+/// unchanged. O(pixels).
 cv::Mat packed_levels(const cv::Mat& levels);
-/// Returns packed levels as they were.
+/// Returns packed levels as CV_32F.
 cv::Mat unpacked_levels(const cv::Mat& packed);
 
 /// Returns the graph without the patches outside the mask (CV_8U, 0 outside; empty: all stay).
 graph::AttributeGraph inside_mask(const graph::AttributeGraph& graph, const cv::Mat& mask);
 
-/// Holds the frames of a clip whose sketches wait for those after them: each is made to agree with the three
-/// frames before and the three after it, both senses of time alike (sketch::steady_sketch). Motion is optical
-/// flow of the first readings' luma.
+/// Holds the frames of a clip whose sketches need later frames to become temporally consistent.
+/// Each sketch is made to agree with those of the three frames before and the three after it, both senses of
+/// time alike (sketch::steady_sketch). Motion is optical flow of the luma in the first version of each frame.
 class SteadyFrames {
  public:
-  static constexpr int kNeighbours = 3;  ///< frames to each side
+  static constexpr int kNeighbours = 3;  ///< frames on each side
 
-  /// Steadies nothing where `options.steady` is off, or patches are chosen by what they gain (budget, blobs).
+  /// Leaves sketches unchanged where `options.steady` is off, or patches are chosen by gain (budget, blobs).
   explicit SteadyFrames(const sketch::ExtractOptions& options)
       : options_(options), is_on_(options.steady && options.budget <= 0 && !options.blobs) {}
 
-  /// Appends the next frame, in as many readings as the others; their levels may be packed. `mask`: where
-  /// structure counts; empty: everywhere.
+  /// Appends the next frame, with the same number of versions as the others; their levels may be packed.
+  /// `mask`: where structure counts; empty: everywhere.
   void push(std::vector<FrameReading> readings, cv::Mat mask = {});
-  /// Returns how many frames wait for others.
+  /// Returns the number of waiting frames.
   [[nodiscard]] std::size_t waiting() const { return entries_.size() - first_; }
 
-  /// Prepares the frames whose neighbours are there; `last`: no more frames come, so all. Returns their
+  /// Prepares the frames whose neighbours are available; `last`: no more frames come, so all. Returns their
   /// number. Throws core::Cancelled.
   std::size_t prepare(bool last, const core::Context& context);
-  /// Returns the readings of the i-th frame prepared, their sketches steadied, and without what the mask
-  /// leaves out. Thread-safe.
+  /// Returns the versions of the i-th prepared frame with temporally consistent sketches, without the parts
+  /// outside the mask. Thread-safe.
   [[nodiscard]] std::vector<FrameReading> steady(std::size_t i) const;
-  /// Forgets the first `count` frames prepared, but for those that are others' neighbours.
+  /// Drops the first `count` prepared frames, except those that are neighbours of others.
   void drop(std::size_t count);
 
  private:
@@ -67,22 +67,22 @@ class SteadyFrames {
     std::vector<FrameReading> readings;
     cv::Mat mask;
     cv::Mat1f luma;
-    cv::Mat on, back;  // motion to the next frame, and from there
+    cv::Mat on, back;  // motion to the next frame, and from it
   };
   [[nodiscard]] cv::Mat motion(std::size_t from, std::size_t to) const;
 
   sketch::ExtractOptions options_;
   bool is_on_;
   std::vector<Entry> entries_;
-  std::size_t first_ = 0;  // entry that is not finished; those before are neighbours
+  std::size_t first_ = 0;  // first unfinished entry; those before are neighbours
 };
 
-/// Sketches a clip in batches, from its first frame that is not among the `known` ones on; of those only the
-/// last three are read again, as neighbours, and nothing is called for their results. What the source's mask
-/// leaves out (core::mask_of) is no part of the steadied sketches. Calls before(t) for each frame in order,
-/// then read(t, levels) in parallel, which returns its readings, then finish(t, readings) in parallel with
-/// the steadied sketches, then take(t, result) in order. Returns the number of frames. Throws
-/// core::Cancelled.
+/// Sketches a clip in batches, from its first frame that is not among the `known` ones.
+/// Of the known frames only the last three are read again, as neighbours, without calls for their results.
+/// Strokes outside the source's mask (core::mask_of) are removed from the sketches. Calls before(t) for each
+/// frame in order, then read(t, levels) in parallel, which returns its versions, then finish(t, readings) in
+/// parallel with the temporally consistent sketches, then take(t, result) in order. Returns the number of
+/// frames. Throws core::Cancelled.
 template <class Before, class Read, class Finish, class Take>
 int stream_steady_frames(core::FrameSource& source, std::string_view stage,
                          const sketch::ExtractOptions& options, const core::Context& context, int known,
@@ -91,7 +91,7 @@ int stream_steady_frames(core::FrameSource& source, std::string_view stage,
   const auto& info = source.info();
   const std::size_t at_once = core::frames_at_once(info.width, info.height, info.channels);
   SteadyFrames frames(options);
-  std::deque<cv::Mat> masks;  // of the frames that were read and not pushed yet
+  std::deque<cv::Mat> masks;  // of the frames read but not yet pushed
   const int first = std::max(0, known - SteadyFrames::kNeighbours);
   int done = first;
   const auto settle = [&](bool last) {

@@ -9,7 +9,7 @@
 
 namespace emberfold::apps {
 
-/// One clip of a batch, as batch.json keeps it.
+/// One clip of a batch, as stored in batch.json.
 struct BatchEntry {
   std::string run;  ///< its folder, below that of the batch
   std::string clip;
@@ -24,14 +24,15 @@ constexpr const char* kBatchFile = "batch.json";
 
 nlohmann::ordered_json manifest_json(const std::vector<BatchEntry>& entries);
 
-/// Reads batch.json of a folder; nothing where there is none. Throws core::IoError for another content.
+/// Reads batch.json of a folder; nothing where there is none. Throws core::IoError for other content.
 std::vector<BatchEntry> read_manifest(const std::filesystem::path& folder);
 
-/// Replaces batch.json at once, so that a reader and a killed process leave it whole. Throws core::IoError.
+/// Replaces batch.json atomically, so that readers and a killed process always find it whole. Throws
+/// core::IoError.
 void write_manifest(const std::filesystem::path& folder, const std::vector<BatchEntry>& entries);
 
-/// Holds a folder for one process alone, until it ends in any way. The constructor throws core::IoError where
-/// another batch is at work there.
+/// Locks a folder for one process, until it ends in any way.
+/// The constructor throws core::IoError where another batch is using it.
 class BatchLock {
  public:
   explicit BatchLock(const std::filesystem::path& folder);

@@ -81,7 +81,7 @@ std::vector<std::string> matches(const std::string& pattern) {
   return paths;
 }
 
-/// Returns the clips that one path stands for.
+/// Returns the clips that one path names.
 std::vector<std::string> clips_of(const std::string& path) {
   std::error_code error;
   if (!fs::is_directory(path, error) || is_series(path)) return {path};

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kNotStarted = 127;
 
-/// Runs in the child, where only what is safe in a signal handler may be called.
+/// Executes the program in the child, where only async-signal-safe calls are allowed.
 [[noreturn]] void become(const char* program, char* const* words, const char* log, pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);

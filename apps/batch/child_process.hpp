@@ -10,24 +10,24 @@
 
 namespace emberfold::apps {
 
-/// How a process ended.
+/// Holds how a process ended.
 struct ProcessEnd {
   int exit = 0;  ///< its exit status, or 128 + the signal that ended it
   bool by_signal = false;
 };
 
-/// This program, run again with other arguments. Signals of the terminal do not reach it but through stop();
-/// it is stopped when this process dies.
+/// Runs this program again with other arguments.
+/// Terminal signals reach it only through stop(); it is stopped when this process dies.
 class ChildProcess {
  public:
-  /// Starts it with standard output closed off and messages going into the file `log`. Throws core::IoError.
+  /// Starts it with standard output closed and messages written to the file `log`. Throws core::IoError.
   ChildProcess(const std::vector<std::string>& arguments, const std::filesystem::path& log);
   /// Stops it and waits for its end.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Returns how it ended; nothing while it runs.
+  /// Returns how it ended; nothing while it is running.
   std::optional<ProcessEnd> ended();
   /// Asks it to stop (SIGTERM).
   void stop() const;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kOwn = "emberfold";
 
-/// Events of all scenes of a kind: each scene's frames begin where no tolerance reaches from the one before.
+/// Events of all scenes of a kind; the frame numbers of scenes are too far apart for any tolerance.
 class Pool {
  public:
   void add(std::vector<graph::Event> events, int scene) {

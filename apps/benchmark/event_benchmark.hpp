@@ -14,7 +14,7 @@
 
 namespace emberfold::apps {
 
-/// A program whose events are judged: FOLDER/SCENE.json for each scene.
+/// A program whose events are scored: FOLDER/SCENE.json for each scene.
 struct BenchmarkEntry {
   std::string name;
   std::filesystem::path folder;
@@ -23,18 +23,18 @@ struct BenchmarkEntry {
 /// Options of run_benchmark().
 struct BenchmarkOptions {
   std::vector<SceneKind> kinds = all_scene_kinds();
-  int scenes = 1;  ///< of each kind, with seeds that follow each other, 1…100
+  int scenes = 1;  ///< of each kind, with consecutive seeds, 1…100
   int frames = 100;
-  cv::Mat picture;         ///< that sways; empty: a drawn one
+  cv::Mat picture;         ///< the picture of `sway`; empty: a drawn one
   bool make_only = false;  ///< make the scenes, find no events
-  bool bottom_up = false;  ///< emberfold takes the match as it is
+  bool bottom_up = false;  ///< emberfold reports the match unchanged
   std::vector<BenchmarkEntry> entries;
   graph::ScoreOptions score;
   /// Throws InputError naming field, value and range.
   void validate() const;
 };
 
-/// How one program did on the scenes of one kind.
+/// The score of one program on the scenes of one kind.
 struct BenchmarkRow {
   std::string kind, entry;
   graph::Score score;
@@ -49,7 +49,7 @@ std::vector<BenchmarkRow> run_benchmark(const BenchmarkOptions& options, io::Out
                                         Session& session);
 
 /// Returns the rows as one table of text: true, found and hit events, precision, recall and F1 of the four
-/// classes, F1 of the six, false events a frame.
+/// classes, F1 of the six, false events per frame.
 std::string benchmark_table(const std::vector<BenchmarkRow>& rows);
 /// Returns the same as CSV.
 std::string benchmark_csv(const std::vector<BenchmarkRow>& rows);

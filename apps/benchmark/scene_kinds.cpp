@@ -26,9 +26,9 @@ using std::numbers::pi;
 
 constexpr double kSway = 2.2, kStill = 0.8;  // px, SD of the flow
 constexpr std::uint32_t kPlanStream = 100;
-constexpr int kQuiet = 4;  // frames at both ends of a clip in which nothing happens
+constexpr int kQuiet = 4;  // frames without events at both ends of a clip
 
-/// A change at a frame over one to three frames.
+/// Returns a change at a frame over one to three frames.
 Change change_at(int frame, core::Rng& rng) {
   return {frame, 1 + static_cast<int>(rng.below(3))};
 }
@@ -38,14 +38,14 @@ Presence from(const Change& change) {
 Presence until(const Change& change) {
   return {{}, change};
 }
-/// Returns a time, as a share of the clip, give or take so many frames.
+/// Returns a frame at a share of the clip, plus or minus up to `spread` frames.
 int time_at(const LineScene& scene, double share, int spread, core::Rng& rng) {
   const int about = static_cast<int>(std::lround(share * scene.frames));
   const int moved = about - spread + static_cast<int>(rng.below(static_cast<std::uint32_t>(2 * spread + 1)));
   return std::clamp(moved, kQuiet, scene.frames - kQuiet - 1);
 }
 
-/// A part of a line, which moves as the whole does.
+/// Returns a part of a line that moves like the whole.
 SceneLine part_of(const SceneLine& whole, double first, double last) {
   SceneLine part = whole;
   const auto n = static_cast<double>(whole.rest.size() - 1);
@@ -61,7 +61,7 @@ SceneLine part_of(const SceneLine& whole, double first, double last) {
   return part;
 }
 
-/// Adds a line with a piece of `half` px to each side of a place missing from one frame to another.
+/// Adds a line with a gap of `half` px on each side of a place, from one frame to another.
 void add_line_with_gap(LineScene& scene, const SceneLine& line, double share, double half,
                        const Change& opens, const Change& closes) {
   const double reach = half / (2 * static_cast<double>(line.rest.size() - 1));
@@ -75,8 +75,8 @@ void add_line_with_gap(LineScene& scene, const SceneLine& line, double share, do
   tell(scene, closes.frame, EventType::merge, line, share);
 }
 
-/// Tongues of flame: each loses its tip, which rises and dies; an arm is born beside it, joins it, comes off
-/// and dies.
+/// Adds tongues of flame: each loses its tip, which rises and dies; an arm is born next to it, joins it,
+/// separates and dies.
 void add_flames(LineScene& scene, core::Rng& rng) {
   constexpr int kTongues = 5;
   constexpr double kSpacing = 58, kRise = 1.3, kArm = 30, kFoot = 16;
@@ -105,7 +105,7 @@ void add_flames(LineScene& scene, core::Rng& rng) {
     tell(scene, breaks.frame, EventType::split, bridge, 0.5);
     tell(scene, dies.frame, EventType::death, tip, 0.5);
     scene.lines.push_back(bridge), scene.lines.push_back(tip);
-    // The arm leaves the tongue at a third of its height; its foot comes and goes.
+    // The arm leaves the tongue at a third of its height; its foot appears and disappears.
     const double share = rng.uniform(0.25, 0.38);
     const auto root = static_cast<std::size_t>(share * static_cast<double>(tongue.rest.size() - 1));
     const cv::Point2d out = cv::Point2d(0.68, -0.73);
@@ -127,7 +127,7 @@ void add_flames(LineScene& scene, core::Rng& rng) {
   }
 }
 
-/// Parallel folds, bright and dark in turn.
+/// Adds parallel folds, alternately bright and dark.
 void add_folds(LineScene& scene, core::Rng& rng) {
   const double bend = rng.uniform(4, 9), phase = rng.uniform(0, 2 * pi);
   int k = 0;
@@ -153,7 +153,7 @@ void add_folds(LineScene& scene, core::Rng& rng) {
   }
 }
 
-/// Pairs of rings: born, grown until they touch, shrunk apart, and dead.
+/// Adds pairs of rings: born, growing until they touch, shrinking apart, and dying.
 void add_ripples(LineScene& scene, core::Rng& rng) {
   constexpr double kLeast = 11, kMost = 27, kSigma = 1.8;
   for (int k = 0; k < 4; ++k) {
@@ -186,7 +186,7 @@ void add_ripples(LineScene& scene, core::Rng& rng) {
       tell(scene, comes.frame, EventType::birth, centre_line, 0);
       tell(scene, goes.frame, EventType::death, centre_line, 0);
     }
-    // Two profiles are one where the level between them is half of theirs or more.
+    // Two profiles merge where the level between them is at least half of theirs.
     SceneLine touch{straight_line(middle, middle), 1, 1, {}, {}};
     const auto is_one = [&](int t) { return 2 * (kMost - radius(t)) <= 2.35 * kSigma; };
     for (int t = born + 1; t < gone; ++t)
@@ -195,7 +195,8 @@ void add_ripples(LineScene& scene, core::Rng& rng) {
   }
 }
 
-/// Trees of four nodes on a grid; edges between neighbouring trees come and go, and never close a ring.
+/// Adds trees of four nodes on a grid; edges between neighbouring trees appear and disappear, and never close
+/// a ring.
 void add_networks(LineScene& scene, core::Rng& rng) {
   constexpr int kColumns = 6, kRows = 4;
   std::array<std::array<cv::Point2d, kColumns>, kRows> nodes;
@@ -217,7 +218,7 @@ void add_networks(LineScene& scene, core::Rng& rng) {
       edge(node(r, c), node(r + 1, c), {});
       edge(node(r + 1, c), node(r + 1, c + 1), {});
     }
-  // Of the seven pairs of neighbouring trees, those of one spanning tree.
+  // The edges of one spanning tree among the seven pairs of neighbouring trees.
   std::vector<std::pair<cv::Point2d, cv::Point2d>> bridges;
   for (int c = 1; c + 1 < kColumns; c += 2)
     bridges.emplace_back(node(0, c), node(0, c + 1)), bridges.emplace_back(node(3, c), node(3, c + 1));
@@ -237,7 +238,7 @@ void add_networks(LineScene& scene, core::Rng& rng) {
   }
 }
 
-/// Filaments that move to and fro and turn, touching and crossing each other, of unlike contrast.
+/// Adds filaments that move to and fro and turn, touching and crossing each other, of different contrasts.
 void add_filaments(LineScene& scene, core::Rng& rng) {
   constexpr int kFilaments = 9;
   for (int k = 0; k < kFilaments; ++k) {
@@ -281,7 +282,7 @@ std::vector<cv::Mat> draw_sway(const cv::Mat& picture, const SceneOptions& optio
   return frames;
 }
 
-/// The picture at 320 px across and an even height, in colour.
+/// Returns the picture at 320 px across and an even height, in colour.
 cv::Mat swaying_picture(const SceneOptions& options, const core::Context& context) {
   cv::Mat picture = options.picture;
   if (picture.empty()) {

@@ -35,7 +35,7 @@ struct BuiltinClip {
 };
 
 /// Makes a procedural clip with exactly known events. The same options give the same bytes at any thread
-/// count. Checks the options before it takes memory. Throws core::Cancelled. Cost: about 10 ms a frame of
+/// count. Checks the options before allocating memory. Throws core::Cancelled. Cost: about 10 ms per frame of
 /// 320×240.
 BuiltinClip make_builtin(const BuiltinOptions& options, const core::Context& context = {});
 

@@ -14,8 +14,8 @@ struct Dab {
   double sigma = 1;     ///< px
 };
 
-/// Draws a line with a Gaussian profile into a field (CV_32F) as the maximum with what is drawn, so that
-/// lines that meet do not add up.
+/// Draws a line with a Gaussian profile into a field (CV_32F) as the maximum with its content, so that lines
+/// that meet do not add up.
 void draw_line(cv::Mat& field, const std::vector<Dab>& dabs);
 
 }  // namespace emberfold::apps

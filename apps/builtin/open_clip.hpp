@@ -17,7 +17,7 @@ std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::
 std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::ReadOptions& options,
                                              Session& session);
 
-/// The same for a command that looks at all pixels: those outside --mask stand still (core::HeldOutside).
+/// Opens a clip for a command that examines all pixels: those outside --mask stand still (core::HeldOutside).
 std::unique_ptr<core::FrameSource> open_held_clip(const std::string& name, const io::ReadOptions& options,
                                                   const core::Warn& warn);
 std::unique_ptr<core::FrameSource> open_held_clip(const std::string& name, const io::ReadOptions& options,

@@ -16,7 +16,7 @@ namespace emberfold::apps {
 namespace {
 
 constexpr double margin = 7;     // px to the edge of the picture
-constexpr double apart = 10;     // px between what does not touch
+constexpr double apart = 10;     // px between lines that do not touch
 constexpr int pause = 6;         // frames between one body's end and another's beginning in its place
 constexpr int events_apart = 5;  // frames between the events of one body
 
@@ -98,7 +98,7 @@ class Planner {
     });
     const int initial = static_cast<int>(scene_.bodies.size());
     if (frames < 12) return;
-    // Long lives first, then shorter ones in the room that is left.
+    // Long lives first, then shorter ones in the remaining room.
     for (const std::uint32_t round : {1U, 2U, 3U})
       attempt(Purpose::body, round, style_.births * initial * frames / 300.0, 150, [&](core::Rng& rng) {
         Presence life;
@@ -120,7 +120,7 @@ class Planner {
     if (body.curves.empty()) return false;
     body.life = life;
     Info info{window_of(life, scene_.options.frames), {}, {}};
-    // Checking the rest shape first saves most simulations of bodies that have no room.
+    // Checking the rest shape first avoids simulating most bodies without room.
     body.first = info.window.first;
     body.modes.assign(1, {});
     if (!has_room(body, {body.first, body.first}, info)) return false;
@@ -134,7 +134,8 @@ class Planner {
     return true;
   }
 
-  /// Returns whether a body stays inside the picture and apart from all present with it; sets its box.
+  /// Returns whether a body stays inside the picture and apart from all bodies present at the same time; sets
+  /// its box.
   bool has_room(const Body& body, const Window& frames, Info& info) const {
     const cv::Rect2d inside(margin, margin, scene_.options.width - 2 * margin,
                             scene_.options.height - 2 * margin);
@@ -158,7 +159,7 @@ class Planner {
       const double least = std::max(apart, 2.4 * (body.sigma + other.sigma)) + 1;  // 1: points, not segments
       for (int t = frames.first; t <= frames.last; ++t) {
         const int there =
-            std::clamp(t, infos_[i].window.first, infos_[i].window.last);  // within the pause: where it was
+            std::clamp(t, infos_[i].window.first, infos_[i].window.last);  // within the pause: its last place
         for (const auto& curve : other.curves) {
           const Line line = line_at(scene_.options, other, curve, there);
           for (std::size_t c = 0; c < body.curves.size(); ++c)
@@ -184,7 +185,7 @@ class Planner {
             life.end ? life.end->frame - events_apart - 2 : scene_.options.frames - 1};
   }
 
-  /// Draws a presence within a window; at the clip's first or last frame it may be without begin or end.
+  /// Draws a presence within a window; at the clip's first or last frame it may lack a begin or an end.
   std::optional<Presence> choose_time(const Window& window, core::Rng& rng) const {
     const int last = scene_.options.frames - 1;
     const int begin = window.first + static_cast<int>(rng.uniform() * (window.last - window.first)) - 2;

@@ -19,13 +19,13 @@ namespace {
 
 using std::numbers::pi;
 
-// Returns the contrast along a line of length 1, as a share. A flame is brightest just above its foot.
+// Returns the relative contrast along a line of length 1. A flame is brightest just above its foot.
 double taper(BuiltinScene scene, double s) {
   if (scene == BuiltinScene::fire) return std::min(0.62 + 2.4 * s, 1.06 - 0.46 * s);
   return 0.6 + 0.4 * std::sqrt(std::sin(pi * std::clamp(s, 0.0, 1.0)));
 }
 
-// Returns the width along a line of length 1, as a share.
+// Returns the relative width along a line of length 1.
 double slimness(BuiltinScene scene, double s) {
   return scene == BuiltinScene::fire ? std::min(0.95 + 2 * s, 1.4 - 0.7 * s) : 0.75 + 0.25 * std::sin(pi * s);
 }
@@ -43,7 +43,7 @@ std::vector<Dab> dabs_of(const Scene& scene, const Body& body, std::size_t curve
   return dabs;
 }
 
-// Returns a sum of long drifting waves, mostly −1 … 1, on a grid of every fourth pixel, fine enough for their
+// Returns a sum of long drifting waves, mostly −1 … 1, on a grid of every fourth pixel, which resolves their
 // length.
 cv::Mat draw_waves(const BuiltinOptions& o, int frame) {
   constexpr int waves = 5;
@@ -52,7 +52,8 @@ cv::Mat draw_waves(const BuiltinOptions& o, int frame) {
   core::Rng rng(o.seed, {static_cast<std::uint32_t>(Purpose::ground), 0, 0});
   for (int i = 0; i < waves; ++i) {
     const double k = 2 * pi / (cloth ? rng.uniform(110, 260) : rng.uniform(80, 200));
-    // Bands are level in water and upright in cloth; waves drift upwards in fire, else in any direction.
+    // Bands are horizontal in water and vertical in cloth; waves drift upwards in fire, elsewhere in any
+    // direction.
     const double heading = fire    ? rng.uniform(0, 2 * pi)
                            : cloth ? rng.uniform(-0.6, 0.6)
                                    : pi / 2 + rng.uniform(-0.5, 0.5);

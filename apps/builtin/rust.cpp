@@ -19,10 +19,10 @@ namespace {
 
 constexpr float kNever = std::numeric_limits<float>::max();
 
-/// The course of the plate by pixel; times as shares of the clip.
+/// The development of the plate by pixel; times as shares of the clip.
 struct Plate {
   cv::Mat rust;          ///< when rust arrives
-  cv::Mat crack;         ///< when a crack does
+  cv::Mat crack;         ///< when a crack arrives
   cv::Mat fine, coarse;  ///< noise, SD 1
 };
 

@@ -22,7 +22,7 @@ struct Change {
   [[nodiscard]] double progress(int at) const;
 };
 
-/// The time that something is present: from `begin` (or the first frame) to `end` (or the last).
+/// The time in which something is present: from `begin` (or the first frame) to `end` (or the last).
 struct Presence {
   std::optional<Change> begin, end;
 
@@ -31,22 +31,23 @@ struct Presence {
   [[nodiscard]] bool shows(int frame) const { return contrast_at(frame) > 0.5; }
 };
 
-/// A line at rest: points about 2 px apart, and for each its place along the body's modes, 0…1.
+/// A line at rest: points about 2 px apart, each with its coordinate along the body's modes, 0…1.
 struct RestCurve {
   int id = 0;
   std::vector<cv::Point2d> points;
   std::vector<double> along;
 };
 
-/// A place where a line is torn for a while.
+/// A place where a line is interrupted for some time.
 struct Gap {
-  double centre = 0;      ///< index into the points, fractional
-  double half_width = 5;  ///< in points, where the gap is half as deep as in its middle
+  double centre = 0;      ///< index of a point, fractional
+  double half_width = 5;  ///< points from the centre at which the gap has half its depth
   Presence open;
 };
 
-/// One stroke, or two that cross and live together. It sways about its rest shape: a point moves by
-/// direction · Σ mode_m(along) q_m(frame), and each q_m follows q_t = ar[0] q_{t−1} + ar[1] q_{t−2} + noise.
+/// One stroke, or two that cross and appear together.
+/// A point moves about its rest position by direction · Σ mode_m(along) q_m(frame), and each q_m follows q_t
+/// = ar[0] q_{t−1} + ar[1] q_{t−2} + noise.
 struct Body {
   int polarity = 1;     ///< 1 ridge, −1 valley
   double contrast = 0;  ///< grey levels
@@ -56,9 +57,9 @@ struct Body {
   cv::Point2d direction;
   Presence life;
   int first = 0;                             ///< frame of modes[0]
-  std::vector<std::array<double, 3>> modes;  ///< q, px, for every frame of the life and its fades
+  std::vector<std::array<double, 3>> modes;  ///< q, px, for every frame of its presence and its fades
   std::vector<RestCurve> curves;
-  std::vector<Gap> gaps;  ///< of curves[0]; never where there are two curves
+  std::vector<Gap> gaps;  ///< of curves[0]; none where there are two curves
 };
 
 /// One end of a bridge: a point of a body's curve.
@@ -70,29 +71,29 @@ struct Anchor {
 struct Bridge {
   int id = 0;
   Anchor from, to;
-  double bow = 0;  ///< how far it bends sideways, as a share of its length
+  double bow = 0;  ///< sideways deflection, as a share of its length
   double contrast = 0, sigma = 2;
   Presence presence;
 };
 
-/// The strokes of a built-in clip with all their events.
+/// The strokes of a built-in clip and all their events.
 struct Scene {
   BuiltinOptions options;
   std::vector<Body> bodies;
   std::vector<Bridge> bridges;
 };
 
-/// Lays out strokes and times their events. In any frame lines that do not touch are at least 10 px apart,
+/// Lays out strokes and times their events. In every frame, lines that do not touch are at least 10 px apart,
 /// and bodies and bridges form a forest. Events of one body are at least 5 frames apart.
 Scene plan_scene(const BuiltinOptions& options);
 
 using Line = std::vector<cv::Point2d>;
 
-/// Returns the points of a line at a frame of its body's life.
+/// Returns the points of a line in a frame in which its body is present.
 Line line_at(const BuiltinOptions& options, const Body& body, const RestCurve& curve, int frame);
 Line line_at(const Scene& scene, const Bridge& bridge, int frame);
 
-/// Returns the share of contrast that the gaps leave at a point of curves[0].
+/// Returns the share of contrast that remains at a point of curves[0] in the gaps.
 double gap_contrast(const Body& body, double point, int frame);
 
 /// Returns the length of a line, px.

@@ -27,7 +27,7 @@ RestCurve follow_heading(cv::Point2d at, double length, const Heading& heading) 
   return curve;
 }
 
-// Moves a curve so that its point at that share of its length lies where its beginning was.
+// Moves a curve so that its point at a share of its length comes to where its beginning was.
 void shift_back(RestCurve& curve, double share) {
   const auto there = static_cast<std::size_t>(share * static_cast<double>(curve.points.size()));
   const cv::Point2d shift = curve.points.front() - curve.points[there];
@@ -38,7 +38,7 @@ void shift_back(RestCurve& curve, double share) {
 void draw_tongue(Body& body, const BuiltinOptions& o, const std::array<double, 4>& flow,
                  std::optional<cv::Point2d> beside, core::Rng& rng) {
   const double w = o.width, h = o.height;
-  double up = std::pow(rng.uniform(), 1.25);  // 0 at the bottom: more of them there
+  double up = std::pow(rng.uniform(), 1.25);  // 0 at the bottom: more flames there
   const double half = w * (0.47 - 0.27 * up);
   cv::Point2d foot(w / 2 + half * rng.uniform(-1, 1), h * (0.955 - 0.68 * up));
   if (beside) {
@@ -57,7 +57,7 @@ void draw_tongue(Body& body, const BuiltinOptions& o, const std::array<double, 4
   body.direction = {1, 0};
 }
 
-// Draws a long hanging fold; all folds are bent by the same drape.
+// Draws a long hanging fold; one drape bends all folds.
 void draw_fold(Body& body, const BuiltinOptions& o, const std::array<double, 4>& flow,
                std::optional<cv::Point2d> beside, core::Rng& rng) {
   const double w = o.width, h = o.height;
@@ -85,7 +85,7 @@ void draw_crest(Body& body, const BuiltinOptions& o, const std::array<double, 4>
     at = *beside + cv::Point2d(rng.uniform(-50, 50), rng.uniform(12, 20) * (rng.uniform() < 0.5 ? 1 : -1));
   const bool crossed = rng.uniform() < 0.3;
   const double side = rng.uniform() < 0.5 ? 1 : -1;
-  const double near = at.y / o.height;  // the nearer, the larger
+  const double near = at.y / o.height;  // nearer crests are larger
   const double most = std::min(1.0, o.width / 160.0) * (0.75 + 0.45 * near);
   body.sigma *= 0.85 + 0.35 * near;
   if (body.polarity < 0) body.contrast *= 0.65;

@@ -28,7 +28,7 @@ cv::Point2d at_point(const Line& line, double index) {
 
 // Returns the pieces of a body's first curve at half contrast or more, cut where it is exactly half.
 std::vector<Line> visible_pieces(const Body& body, const Line& line, int frame) {
-  constexpr int fine = 20;  // places looked at between two points
+  constexpr int fine = 20;  // samples between two points
   std::vector<Line> found(1);
   bool shown = false;
   for (std::size_t i = 0; i + 1 <= line.size(); ++i)

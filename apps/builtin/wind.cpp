@@ -10,9 +10,9 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr int settle = 150;          // frames of sway before the first that is used
+constexpr int settle = 150;          // frames simulated before the first that is used
 constexpr double bump_spacing = 70;  // px between the centres of the gusts that neighbours share
-constexpr double shared = 0.96;      // share of the sway's variance that comes from them
+constexpr double shared = 0.96;      // share of the displacement's variance due to these gusts
 
 }  // namespace
 

@@ -25,7 +25,7 @@ class App;
 // main.cpp lets each command describe itself to the parser by add_…(). The parser then sets CommandLine::run.
 namespace emberfold::apps {
 
-/// A command line that makes no sense; the program exits with 2.
+/// An invalid command line; the program exits with 2.
 class Misuse : public core::InputError {
  public:
   using core::InputError::InputError;
@@ -34,16 +34,16 @@ class Misuse : public core::InputError {
 /// Options of every command.
 struct CommonOptions {
   std::uint64_t seed = 1;
-  int threads = 0;     ///< 0: as many as the machine has; up to 1024
+  int threads = 0;     ///< 0: all that the machine has; up to 1024
   bool json = false;   ///< print summary.json's content
-  bool quiet = false;  ///< no progress and no messages but warnings and errors
+  bool quiet = false;  ///< only warnings and errors, no progress and other messages
   ProgressForm progress = ProgressForm::text;
-  bool overwrite = false;  ///< replace clips and files that are no earlier results
+  bool overwrite = false;  ///< replace clips and files that are not earlier results
   void validate() const;
   [[nodiscard]] io::Existing existing() const { return overwrite ? io::Existing::all : io::Existing::own; }
 };
 
-/// Holds what a running command reports to.
+/// Holds the outputs of a running command.
 struct Session {
   Console& console;
   core::Context context;
@@ -68,7 +68,7 @@ class Settings;
 /// The command that the command line names, with its options.
 struct CommandLine {
   CommonOptions common;
-  std::vector<std::string> words;  ///< as they were typed, without the program
+  std::vector<std::string> words;  ///< as typed, without the program
   std::function<void(Session&)> run;
   std::map<std::string, std::shared_ptr<Settings>> settings;  ///< by command, "dytex learn"
 };

@@ -138,7 +138,7 @@ std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line) {
   std::string name = full_name(&command);
   name.erase(0, name.find(' ') + 1);
   line.settings[name] = settings;
-  // Kept whole: a comma or a bracket in a value is not CLI11's to take apart.
+  // Kept whole: CLI11 must not split values at commas or brackets.
   command
       .add_option_function<std::string>(
           "--set", [settings](const std::string& text) { settings->assign(text); },
@@ -196,7 +196,7 @@ bool Reading::is_whole() const {
 
 namespace {
 
-/// Parses the text of an option, where it was given; Misuse names the option.
+/// Parses the text of an option if given; Misuse names the option.
 template <class Parse>
 void parse_word(const char* option, const std::string& text, const Parse& parse) {
   if (text.empty()) return;

@@ -35,22 +35,22 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Number& valu
       ->default_str(number_text(static_cast<double>(value)));
 }
 
-/// Groups of options that --help sums up in a line; 'emberfold help reading' and 'help common' list them.
+/// Groups of options that --help summarises in a line; 'emberfold help reading' and 'help common' list them.
 inline constexpr const char* kReadingGroup = "Reading";
 inline constexpr const char* kCommonGroup = "Common";
 
 /// Returns "emberfold dytex learn".
 std::string full_name(const CLI::App* app);
 
-/// Adds a command. Its examples, one a line after a line break, end its help.
+/// Adds a command. Its examples, one per line after a line break, end its help.
 CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& about,
                       const std::string& examples);
 
 /// Adds --seed, --threads, --json and --quiet.
 void add_common(CLI::App& command, CommonOptions& common);
 
-/// Adds the common options, and has the parser run `run(*asked, session)`. `note` is called before that, to
-/// keep which options were given.
+/// Adds the common options, and makes the parser run `run(*asked, session)`. `note` is called before that, to
+/// record the given options.
 template <class Asked, class Run>
 void finish_command(CLI::App& command, CommandLine& line, const std::shared_ptr<Asked>& asked, Run run,
                     const std::function<void()>& note = {}) {
@@ -61,13 +61,13 @@ void finish_command(CLI::App& command, CommandLine& line, const std::shared_ptr<
   });
 }
 
-/// Adds --set; the command adds to the result what can be set.
+/// Adds --set; the caller adds the settings to the result.
 std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line);
 
-/// Adds --sensitivity and --no-edges, which many people set.
+/// Adds --sensitivity and --no-edges, which are often needed.
 void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options);
 
-/// Options of reading that are texts to parse; empty where not given.
+/// Input options that are texts to parse; empty where not given.
 struct ReadingWords {
   std::string range, region, fps, pixel_size, levels, channel, slice, stabilize, origin;
 };
@@ -75,11 +75,11 @@ struct Reading {
   std::string clip;
   ReadingWords words;
   io::ReadOptions options;
-  /// Returns whether every frame is read as it is stored, in colour or as grey.
+  /// Returns whether every frame is used as stored, in colour or as grey.
   [[nodiscard]] bool is_whole() const;
 };
-/// Adds CLIP and the options of reading (--range, --roi, --scale …); the latter alone. `with_mask`: --mask is
-/// one of them, as the command has none of its own.
+/// Adds CLIP and the input options (--range, --roi, --scale …), or the latter alone. `with_mask`: adds
+/// --mask, for commands without a mask of their own.
 void add_reading(CLI::App& command, Reading& reading, bool with_mask = true);
 void add_reading_options(CLI::App& command, ReadingWords& words, io::ReadOptions& options,
                          bool with_mask = true);
@@ -91,11 +91,11 @@ void add_clip_output(
     CLI::App& command, std::string& clip,
     const std::string& about = "Write this clip: .mp4, .avi (lossless), a folder of PNG, or DIR/%05d.exr");
 
-/// Throws Misuse with a message of validate() in which a field is named as --set does
-/// ("sketch.min_contrast"), or by its own option where it has one (`group` is empty, or frames).
+/// Throws Misuse with a message of validate() in which a field has its name in --set ("sketch.min_contrast"),
+/// or its own option's name if it has one (`group` is empty, or frames).
 [[noreturn]] void misuse(std::string message, const std::vector<std::string>& fields,
                          const std::string& group);
-/// Validates, and throws Misuse.
+/// Validates options; throws Misuse.
 template <class Options>
 void check_options(const Options& options, const std::string& group) {
   try {
@@ -106,12 +106,11 @@ void check_options(const Options& options, const std::string& group) {
     misuse(error.what(), fields, group);
   }
 }
-/// Throws io::OverwriteError where the folder, or a file of these names in it, is read, or is there already
-/// and no earlier result.
+/// Throws io::OverwriteError where the folder, or a file of these names in it, is an input, or exists and is
+/// no earlier result.
 void require_apart(const std::vector<std::string>& inputs, const std::string& folder,
                    const std::vector<std::string>& names, const CommonOptions& common);
-/// Throws io::OverwriteError where one of these files or folders of frames is there already. Empty names are
-/// passed over.
+/// Throws io::OverwriteError where one of these files or folders of frames exists. Empty names are skipped.
 void require_new(const std::vector<std::string>& paths, const CommonOptions& common);
 void check_common(const CommonOptions& common);
 /// Parses and checks the options. The session's seed becomes that of a built-in clip.

@@ -12,15 +12,15 @@
 
 namespace emberfold::apps {
 
-/// How progress and messages are written.
+/// Names the format of progress and messages.
 enum class ProgressForm {
-  text,  ///< on a terminal one line that is rewritten, elsewhere one line for each stage
-  json   ///< an object a line, for programs: progress ten times a second at most, messages, warnings, errors
+  text,  ///< one line, rewritten, on a terminal; elsewhere one line per stage
+  json   ///< one object per line: progress at most ten times a second, messages, warnings, errors
 };
 
-/// Writes progress and messages to standard error. A line of progress tells the stage, how much of it is done
-/// and the time left; of all stages where they are planned. When quiet, only warnings and errors are written.
-/// Use from one thread at a time.
+/// Writes progress and messages to standard error.
+/// A progress line shows the stage, how much of it is done and the time left, of all stages where they are
+/// planned. When quiet, only warnings and errors are written. Not thread-safe.
 class Console {
  public:
   Console();
@@ -30,7 +30,7 @@ class Console {
 
   void set_quiet(bool quiet) { quiet_ = quiet; }
   void set_form(ProgressForm form) { form_ = form; }
-  /// Tells the stages that are to come, so that progress is that of all of them.
+  /// Sets the stages to come, so that progress covers all of them.
   void plan(std::vector<PlannedStage> stages) { plan_.emplace(std::move(stages)); }
   void progress(std::string_view stage, double fraction);
   void say(const std::string& text);
@@ -41,7 +41,7 @@ class Console {
   using Clock = std::chrono::steady_clock;
   void clear_line();
   void put_json(const std::string& kind, const std::string& text);
-  /// Writes progress as it is to be seen on a terminal.
+  /// Writes progress for display on a terminal.
   void show(const RunProgress::State& state);
 
   ProgressForm form_ = ProgressForm::text;
@@ -54,7 +54,7 @@ class Console {
 /// Formats a duration: "7 s", "3 min 5 s", "2 h 10 min".
 std::string duration_text(double seconds);
 
-/// Replaces control characters by spaces, so that the text is one line and commands no terminal.
+/// Replaces control characters by spaces, so that the text is one line and cannot control the terminal.
 std::string one_line(std::string_view text);
 
 }  // namespace emberfold::apps

@@ -7,8 +7,8 @@
 namespace emberfold::apps {
 
 /// Returns the known word with the least edit distance to `word`; empty where none is near.
-/// Counted are insertions, deletions, replacements and swaps of neighbours (Damerau–Levenshtein). Allowed are
-/// at most a third of the word's length, and at least one.
+/// Insertions, deletions, replacements and swaps of neighbours count (Damerau–Levenshtein). The limit is a
+/// third of the word's length, and at least one.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
 
 }  // namespace emberfold::apps

@@ -40,7 +40,7 @@ void add_looks(CLI::App& app, EditOptions& options) {
              "Scale the force on strokes, 0 to 10; --wind X,Y adds a drift, px a frame");
   add_number(app, "--flicker", edit.flicker, "X",
              "Scale changes of contrast, 0 to 10; --contrast X the contrast, 0.1 to 10");
-  // Told with those above, so that the help fits on one screen.
+  // Described with the options above, so that the help fits on one screen.
   add_number(app, "--contrast", edit.contrast, "X", "Scale the strokes' contrast, 0.1 to 10")->group("");
   app.add_option("--wind", options.wind, "Let strokes drift so many px a frame, too, each -8 to 8")
       ->type_name("X,Y")

@@ -19,25 +19,24 @@ struct EditOptions {
   std::string rates;  ///< group of --set that has births, deaths …; empty where they are options
 };
 
-/// Adds --speed, --reverse, --intensity and others, and the rates of events as --births …, or to the settings
-/// (synth.births …) where there are any.
+/// Adds --speed, --reverse, --intensity and others, and the rates of events as --births …, or, given
+/// `settings`, to these (synth.births …).
 void add_edit_options(CLI::App& command, EditOptions& options, Settings* settings = nullptr);
 
 /// Checks the options. Throws Misuse that names the option.
 void check(EditOptions& options);
 
-/// Returns the edit with the picture of --birth-map, which it reads: births are proportional to its
-/// brightness. Throws core::IoError, Misuse.
+/// Returns the edit, reading the picture of --birth-map: births are proportional to its brightness. Throws
+/// core::IoError, Misuse.
 mcmc::MotionEdit read_edit(const EditOptions& options, const mcmc::MotionModel& model);
 
-/// Returns the changed model (pipeline::edit_model); what could not be achieved becomes warnings. Throws
+/// Returns the changed model (pipeline::edit_model); changes that were not possible become warnings. Throws
 /// core::Cancelled, core::IoError, Misuse.
 pipeline::ClipModel apply_edits(pipeline::ClipModel model, const EditOptions& options, Session& session);
 
-/// Returns the first option of those that were given that only drawn strokes can fulfil; empty where none
-/// was.
+/// Returns the first given option that requires drawn strokes; empty if there is none.
 std::string stroke_option(const EditOptions& options);
-/// Returns whether anything is to be changed.
+/// Returns whether any option changes the model.
 bool changes(const EditOptions& options);
 
 nlohmann::ordered_json edit_json(const EditOptions& options);

@@ -15,7 +15,7 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-/// The number of characters of a UTF-8 text.
+/// Returns the number of characters of a UTF-8 text.
 std::size_t length(const std::string& text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
@@ -124,7 +124,7 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-/// The options of a group, from the first command that has them.
+/// Describes the options of a group, from the first command that has them.
 std::string group_help(const CLI::App& app, const std::string& group, const std::vector<Row>& more = {}) {
   std::vector<Row> rows;
   for (const auto* command : subcommands(&app)) {
@@ -225,7 +225,7 @@ std::string joined_words(const std::vector<std::string>& words, std::size_t begi
 }
 
 std::string topic_help(const CLI::App& app, const CommandLine& line, const std::vector<std::string>& words) {
-  // App::help() would print the help of the subcommand that was named, which is this one.
+  // App::help() would print the help of the named subcommand, which is this one.
   if (words.empty()) return app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);
   if (words[0] == "reading" && words.size() == 1) return reading_help(app);
   if (words[0] == "common" && words.size() == 1) return common_help(app);
@@ -249,7 +249,7 @@ std::string topic_help(const CLI::App& app, const CommandLine& line, const std::
   return options ? settings_help(app, line, joined_words(words, 1)) : command->help();
 }
 
-/// The command that was named, down to the last subcommand.
+/// Returns the named command, down to the last subcommand.
 const CLI::App& named_command(const CLI::App& app) {
   const auto named = app.get_subcommands();
   return named.empty() ? app : named_command(*named.front());
@@ -274,7 +274,7 @@ std::string unknown_option(const CLI::App& where, const CommandLine& line, const
   return "unknown option " + word + (nearest.empty() ? "" : "; did you mean " + nearest + "?");
 }
 
-/// Tells of an option that took the name of the one after it for its value; empty where there is none.
+/// Describes an option that took the next option's name as its value; empty where there is none.
 std::string swallowed_option(const CLI::App& where) {
   for (const auto* option : where.get_options())
     for (const auto& value : option->results())

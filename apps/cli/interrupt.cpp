@@ -17,7 +17,7 @@ sigset_t watched() {
   sigemptyset(&set);
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
-  // Under nohup a hang-up stays ignored: a blocked signal would be delivered all the same.
+  // Under nohup a hang-up stays ignored: blocked signals would still be delivered.
   struct sigaction hang_up {};
   if (::sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) sigaddset(&set, SIGHUP);
   return set;
@@ -27,7 +27,7 @@ sigset_t watched() {
 InterruptWatch::InterruptWatch() {
   const sigset_t set = watched();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  // A signal handler may hardly do anything; a thread that waits for the signal may do all.
+  // Signal handlers may do very little; a thread that waits for the signal is unrestricted.
   waiter_ = std::jthread([this, set](const std::stop_token& done) {
     const timespec pause{0, 100'000'000};
     while (!done.stop_requested()) {

@@ -6,8 +6,8 @@
 
 namespace emberfold::apps {
 
-/// Turns Ctrl-C, SIGTERM and a hang-up (SIGHUP, unless nohup has it ignored) into a stop request while it
-/// lives; the second one ends the process at once. Make it before any other thread, so that they all block
+/// Turns Ctrl-C, SIGTERM and a hang-up (SIGHUP, unless nohup ignores it) into a stop request while it exists.
+/// A second signal ends the process at once. Create it before any other thread, so that all threads block
 /// these signals.
 class InterruptWatch {
  public:

@@ -109,7 +109,7 @@ int parse_and_run(int count, char** words, apps::Console& console) {
 }  // namespace
 
 int main(int count, char** words) {
-  // Beyond a limit on file sizes a write shall fail, like on a full disk, not end the process.
+  // Above a limit on file sizes a write fails, as on a full disk, instead of ending the process.
   std::signal(SIGXFSZ, SIG_IGN);
   core::keep_freed_memory();
   apps::Console console;

@@ -38,7 +38,7 @@ RunProgress::State RunProgress::report(std::string_view name, double share, doub
   state.stage = stage.name, state.number = static_cast<int>(*at_) + 1, state.share = share_;
   const double all = planned(0, stages_.size()), before = planned(0, *at_);
   state.whole = (before + stage.seconds * share_) / all;
-  constexpr double kLeast = 0.02;  // of all: with less the pace is a guess
+  constexpr double kLeast = 0.02;  // of the total: below it the pace is a guess
   const double measured = planned_spent_ + stage.seconds * share_;
   if (measured >= kLeast * all)
     state.seconds_left = (spent_ + now - began_) / measured * (all - before - stage.seconds * share_);

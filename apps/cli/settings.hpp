@@ -11,17 +11,17 @@
 
 namespace emberfold::apps {
 
-/// Reads a number that is the whole text. Throws Misuse that names the option and the value.
+/// Parses the whole text as a number. Throws Misuse that names the option and the value.
 void parse_number(const std::string& option, const std::string& text, double& value);
 void parse_number(const std::string& option, const std::string& text, int& value);
 void parse_number(const std::string& option, const std::string& text, std::uint64_t& value);
-/// Reads true or false (also on, off, yes, no, 1, 0).
+/// Parses true or false (also on, off, yes, no, 1, 0).
 void parse_number(const std::string& option, const std::string& text, bool& value);
 
 using core::number_text;
 using NumberPointer = std::variant<double*, int*, bool*>;
 
-/// The fields of options structs that `--set GROUP.FIELD=VALUE` changes in one command.
+/// The fields of options structs that `--set GROUP.FIELD=VALUE` can change in one command.
 class Settings {
  public:
   struct Setting {
@@ -43,15 +43,16 @@ class Settings {
   /// Adds one field; what `value` points to must outlive this.
   void add(const std::string& group, const std::string& field, NumberPointer value, const std::string& unit,
            const std::string& about, const std::string& allowed = {});
-  /// Adds a field whose value is one of some words, or any text where there are none.
+  /// Adds a field whose value is one of the given words, or any text if there are none.
   void add_word(const std::string& group, const std::string& field, std::string& value,
                 const std::vector<std::string>& words, const std::string& unit, const std::string& about);
 
-  /// Takes "GROUP.FIELD=VALUE". Throws Misuse that says what is allowed, and what may have been meant.
+  /// Assigns "GROUP.FIELD=VALUE". Throws Misuse with the allowed values and a suggestion.
   void assign(const std::string& assignment);
   [[nodiscard]] bool is_given(const std::string& name) const;
   [[nodiscard]] const std::vector<Setting>& all() const { return settings_; }
-  /// Returns "match.sigma_across" of "sigma-across" or "no-sigma-across"; empty where no field is called so.
+  /// Returns "match.sigma_across" for "sigma-across" or "no-sigma-across"; empty where no field has that
+  /// name.
   [[nodiscard]] std::string name_of(const std::string& option) const;
 
  private:

@@ -63,7 +63,7 @@ Json reading_json(const io::ReadOptions& read) {
   out["range"] = std::to_string(read.first) + ":" + (read.last ? std::to_string(*read.last) : "");
   out["every"] = read.every;
   out["levels"] = levels_json(read.levels);
-  // Only what was asked for: each has no other default than the clip's own.
+  // Only the given options: the default of each is the clip's own value.
   if (const auto& region = read.region) out["roi"] = {region->x, region->y, region->width, region->height};
   if (read.fps) out["fps"] = *read.fps;
   if (read.pixel_size) out["pixel_um"] = *read.pixel_size;

@@ -25,7 +25,7 @@ void end_summary(nlohmann::ordered_json& summary, const Session& session, const 
 /// Writes summary.json.
 void write_summary(io::OutputFolder& output, const nlohmann::ordered_json& summary);
 
-/// Describes the clip that was read.
+/// Describes the input clip.
 nlohmann::ordered_json clip_json(const std::string& clip, const core::ClipInfo& info, int frames);
 
 /// Returns the fields of an options struct by name.
@@ -38,7 +38,7 @@ nlohmann::ordered_json options_json(const Options& options) {
 }
 nlohmann::ordered_json reading_json(const io::ReadOptions& read);
 
-/// Writes drift.csv where --stabilize took motion out of the clip, which was read to its end.
+/// Writes drift.csv where --stabilize removed motion from the clip, which must have been read to its end.
 void write_drift(io::OutputFolder& output, const core::FrameSource& source);
 
 /// Returns {"four": {class: {"true", "found", "hit", "precision", "recall", "f1"}}, "six": …}
@@ -50,7 +50,7 @@ std::string score_table(const graph::Score& score);
 /// Returns {"mean", "min", "max", "frames"}, null where there is no value.
 nlohmann::ordered_json spread_json(std::span<const double> values);
 
-/// Writes indented JSON with a newline at the end. Bytes that are no UTF-8 are replaced.
+/// Writes indented JSON with a newline at the end. Bytes that are not UTF-8 are replaced.
 std::string json_text(const nlohmann::ordered_json& value);
 
 }  // namespace emberfold::apps

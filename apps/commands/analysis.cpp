@@ -76,7 +76,7 @@ Json per_frame_json(const graph::MotionGraph& motion, const std::vector<graph::E
   return {{"patches", patches}, {"strokes", strokes}, {"events", count}};
 }
 
-/// Mean gain of the patches of the frames that were drawn again; null without patches.
+/// Returns the mean gain of the patches of the reconstructed frames; null without patches.
 Json gain_json(const pipeline::GainTotals& gains) {
   if (gains.patches == 0) return nullptr;
   const auto patches = static_cast<double>(gains.patches);
@@ -115,9 +115,7 @@ Json motion_json(const graph::MotionGraph& motion) {
           {"trajectories", graph::trajectories(motion).size()}};
 }
 
-/// Counts the events that are sure, likely or doubtful; of `all` that were looked at.
-/// Returns how many of the events are expected to have happened, by class, and the SD of their number, taking
-/// them as independent.
+/// Returns the expected number of true events, by class, and its SD, assuming independence.
 Json expected_json(const std::vector<graph::Event>& all) {
   const auto rounded = [](double v) { return std::round(10 * v) / 10; };
   Json classes = Json::object();
@@ -140,6 +138,7 @@ Json expected_json(const std::vector<graph::Event>& all) {
           {"classes", classes}};
 }
 
+/// Counts the sure, likely and doubtful events among `all` candidates.
 Json certainty_json(const std::vector<graph::Event>& all) {
   constexpr double kSure = 0.9, kLikely = 0.5, kDoubtful = 0.05;
   const auto count = [&](double from, double to) {
@@ -254,7 +253,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   return begun;
 }
 
-/// The share of the last frame in which structure counts.
+/// Returns the share of the last frame in which structure counts.
 double counting_share(const core::FrameSource& source) {
   const cv::Mat mask = core::mask_of(source);
   return mask.empty() ? 1 : static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
@@ -310,7 +309,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   const auto& found = made.found;
   made.stages.add(found.stages);
   made.stages.begin("write");
-  if (stages != nullptr) made.found.model.footage.reset();  // the run's folder has it
+  if (stages != nullptr) made.found.model.footage.reset();  // the run's folder contains it
   core::return_freed_memory();
   if (stages == nullptr) io::write_model(output, "model", to_archive(found.model));
   const auto units = graph::units_of(source->info());

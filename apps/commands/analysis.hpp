@@ -21,11 +21,11 @@ namespace emberfold::apps {
 struct AnalyzeOptions : pipeline::AnalyzeOptions {
   io::ReadOptions read = {};
   bool reconstruction =
-      false;          ///< write reconstruction.avi too: every frame is drawn again, not a choice of them
+      false;          ///< also write reconstruction.avi: every frame is reconstructed, not a selection
   bool jsonl = true;  ///< write motion.jsonl and sketch.jsonl
 };
 
-/// A clip's analysis, and what is written of it.
+/// A clip's analysis, and what its outputs need.
 struct Analysis {
   std::string clip;  ///< its name in messages, report and summary
   pipeline::Analysis found;
@@ -34,11 +34,11 @@ struct Analysis {
   Stages stages;
 };
 
-/// From a clip to what the report tells: sketches, motion, events, motion model, overlay video, pictures, all
-/// but report and summary written into `output`, which the caller commits. With `stages` the model is kept
-/// there instead, and what an earlier call made is not made again. Reads the clip twice and keeps of it a
-/// batch of frames. With `truth` the events are scored against it. `shown_name`: how the clip is called where
-/// that is not its name. core::IoError for a clip of fewer than two frames.
+/// Analyses a clip up to the report: sketches, motion, events, motion model, overlay video, pictures.
+/// Writes all but report and summary into `output`, which the caller commits. With `stages` the model is
+/// stored there instead, and results of an earlier call are reused. Reads the clip twice and keeps a batch of
+/// frames. With `truth` the events are scored against it. `shown_name`: the clip's displayed name, if
+/// different. Throws core::IoError for a clip of fewer than two frames.
 Analysis analyze_clip(const std::string& clip, const AnalyzeOptions& options, io::OutputFolder& output,
                       Session& session, const std::optional<std::vector<graph::Event>>& truth = {},
                       const std::string& shown_name = {}, const pipeline::AnalysisStages* stages = nullptr);
@@ -46,7 +46,7 @@ Analysis analyze_clip(const std::string& clip, const AnalyzeOptions& options, io
 /// Writes events.json, events_all.json and events.csv.
 void write_events(io::OutputFolder& output, const pipeline::Analysis& found, const graph::Units& units);
 
-/// Writes report.html and summary.json, with what the caller added to both.
+/// Writes report.html and summary.json, with the caller's additions to both.
 void finish_analysis(Analysis& analysis, io::OutputFolder& output, const Session& session);
 
 }  // namespace emberfold::apps

@@ -47,7 +47,7 @@ void tell_done(const std::string& folder, bool before, const Json& summary, Sess
   if (session.common.json) session.print(json_text(summary));
 }
 
-/// Writes the events as soon as they are known. What an older run told of others is removed.
+/// Writes the events as soon as they are known, and removes results of an older run with other events.
 void publish_events(const Analyze& asked, const pipeline::Analysis& found, const graph::Units& units,
                     const Session& session) {
   io::OutputFolder early(asked.output, session.common.existing());
@@ -60,13 +60,13 @@ void publish_events(const Analyze& asked, const pipeline::Analysis& found, const
     std::filesystem::remove(std::filesystem::path(asked.output) / name, ignored);
 }
 
-/// Removes the graphs that an earlier run wrote as text: they may be others than those of the run.
+/// Removes the graphs that an earlier run wrote as text: they may differ from this run's.
 void remove_graphs(const std::filesystem::path& folder) {
   std::error_code ignored;
   for (const char* name : {"motion.jsonl", "sketch.jsonl"}) std::filesystem::remove(folder / name, ignored);
 }
 
-/// Makes what is missing of a run. Without keys nothing is kept in between.
+/// Computes the missing parts of a run. Without keys no intermediate results are stored.
 Json make_run(const Analyze& asked, const AnalyzeOptions& options, const std::optional<RunKeys>& keys,
               Session& session) {
   io::OutputFolder output(asked.output, session.common.existing());

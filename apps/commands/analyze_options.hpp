@@ -6,7 +6,7 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/commands/analysis.hpp"
 
-// What `analyze` and `batch` are asked for.
+// The options of `analyze` and `batch`.
 namespace emberfold::apps {
 
 struct AskedAnalysis {
@@ -15,10 +15,10 @@ struct AskedAnalysis {
   std::string quality = "normal";
 };
 
-/// Adds the options of an analysis but for those of reading.
+/// Adds the options of an analysis except the input options.
 void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& line);
 
-/// Parses the options of reading and checks all others. Throws Misuse.
+/// Parses the input options and checks all others. Throws Misuse.
 AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session);
 
 }  // namespace emberfold::apps

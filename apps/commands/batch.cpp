@@ -32,10 +32,10 @@ struct Batch : AskedAnalysis {
   std::vector<std::string> clips;
   std::string output;
   int jobs = 1;
-  std::vector<std::string> words;  ///< those of the command line that each analyze gets
+  std::vector<std::string> words;  ///< command-line words passed to each analyze
 };
 
-/// Keeps the options of an analysis of what was typed: no clip, no option of batch itself or of its output.
+/// Selects the analysis options from the typed words: no clip, no option of batch itself or of its output.
 std::vector<std::string> words_to_pass(const CLI::App& command, const std::vector<std::string>& typed) {
   std::vector<std::string> kept;
   const auto is_batch_own = [](const std::string& name) {
@@ -61,7 +61,7 @@ std::vector<std::string> words_to_pass(const CLI::App& command, const std::vecto
   return kept;
 }
 
-/// Returns a hash of all that a run depends on.
+/// Returns a hash of everything that a run depends on.
 std::string run_key(const Batch& asked, const std::string& clip) {
   core::Fingerprint sum;
   sum.add(kVersion).add(clip.starts_with("builtin:") ? clip : io::clip_identity(clip));
@@ -71,7 +71,7 @@ std::string run_key(const Batch& asked, const std::string& clip) {
   return sum.text();
 }
 
-/// Returns what a process told last, which is why it failed.
+/// Returns the last line of a process's messages: the reason for its failure.
 std::string last_line(const fs::path& log) {
   constexpr std::string_view kHead = "emberfold: ";
   std::ifstream in(log);
@@ -81,20 +81,20 @@ std::string last_line(const fs::path& log) {
   return one_line(last.starts_with(kHead) ? last.substr(kHead.size()) : last);
 }
 
-/// The clips that are analysed at the moment, and those that are to come.
+/// The clips that are being analysed, and those that wait.
 class Queue {
  public:
   Queue(const Batch& asked, std::vector<BatchEntry>& entries, std::vector<std::size_t> waiting,
         Session& session)
       : asked_(asked), entries_(entries), waiting_(std::move(waiting)), session_(session) {}
 
-  /// Analyses all clips that wait, until the user asks to stop.
+  /// Analyses all waiting clips, until the user asks to stop.
   void run() {
     const std::size_t all = waiting_.size();
     while (next_ < all || !running_.empty()) {
       if (session_.context.cancelled()) {
         for (const auto& one : running_) one.process->stop();
-        return;  // ~ChildProcess waits for their ends
+        return;  // ~ChildProcess waits for them to end
       }
       while (next_ < all && running_.size() < static_cast<std::size_t>(asked_.jobs)) start(waiting_[next_++]);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -153,7 +153,7 @@ class Queue {
   std::vector<Running> running_;
 };
 
-/// Merges the plan into what an earlier call left; returns the entries that wait.
+/// Merges the plan with the state of an earlier call; returns the entries that wait.
 std::vector<std::size_t> merge_plan(const Batch& asked, const std::vector<PlannedRun>& plan,
                                     std::vector<BatchEntry>& entries) {
   std::map<std::string, BatchEntry> known;

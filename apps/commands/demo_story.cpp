@@ -47,7 +47,7 @@ dytex::LinearDynamicTexture learn_demo_texture(core::FrameSource& source, const 
   return std::move(learned.texture);
 }
 
-/// An edit of the demo: what the strokes of the clip are asked for, or how its frames are played.
+/// An edit of the demo: of the clip's strokes, or of the way its frames are played.
 struct DemoEdit {
   const char *file, *name;
   pipeline::ClipSynthesisOptions options;
@@ -73,7 +73,7 @@ std::vector<DemoEdit> demo_edits(std::uint64_t seed) {
           {"edited_backwards.avi", "Backwards", played(-1)}};
 }
 
-/// Writes new clips of the model, edited, as long as the clip.
+/// Writes new, edited clips of the model, with the clip's length.
 void write_edits(int frames, io::OutputFolder& output, Session& session) {
   const auto model = pipeline::read_clip_model(output.staged("model").string(), pipeline::ModelFill::carried);
   for (const auto& [file, name, options] : demo_edits(session.common.seed)) {
@@ -82,7 +82,7 @@ void write_edits(int frames, io::OutputFolder& output, Session& session) {
   }
 }
 
-/// The clip, those drawn from its models and those edited, side by side.
+/// Joins the clip, those drawn from its models and the edited ones, side by side.
 ReportClips make_clips(core::FrameSource& source, const Comparison& comparison,
                        const io::OutputFolder& output, const Session& session) {
   std::vector<std::unique_ptr<core::FrameSource>> drawn;
@@ -169,7 +169,7 @@ void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, A
   compare.match = options.match;
   compare.fill = options.fill;
   compare.learn = learn_options(analysis);
-  // A story of two models; 'emberfold compare' tells the rest, which takes as long again.
+  // Two models only; 'emberfold compare' shows the others, which would double the time.
   compare.hybrid = compare.star = compare.strokes = false;
   compare.steps = 1;
   analysis.stages.begin("texture");

@@ -29,14 +29,14 @@ void add_dytex_compress(CLI::App& dytex, CommandLine& line);
 /// Adds the argument MODEL.
 void add_texture_model(CLI::App& command, std::string& model);
 
-/// Adds --start: "stationary", "mean", or a frame of the clip that was learned from.
+/// Adds --start: "stationary", "mean", or a frame of the training clip.
 CLI::Option* add_start(CLI::App& command, std::string& start);
-/// Sets the start that the text names. Throws Misuse, naming the option, for any other text. `model` names
-/// the texture in messages.
+/// Sets the start that the text names. Throws Misuse, naming the option, for other texts. `model` names the
+/// texture in messages.
 void set_start(dytex::SynthesisOptions& options, const std::string& start,
                const dytex::LinearDynamicTexture& texture, const std::string& model);
 
-/// Creates the writer of --output. Throws Misuse where the name is none of a clip.
+/// Creates the writer of --output. Throws Misuse where the name is not that of a clip.
 std::unique_ptr<io::VideoWriter> create_output(const std::string& path, const core::ClipInfo& info);
 
 }  // namespace emberfold::apps

@@ -64,7 +64,7 @@ struct Found {
   std::vector<Recognition> results;
 };
 
-// The folds are the clips': all samples of a clip are on one side.
+// Folds are dealt by clip, so that all samples of a clip are in one fold.
 void deal(const Classify& asked, Found& found) {
   std::vector<std::size_t> clip_labels;
   for (const auto& clip : found.labelled.clips) clip_labels.push_back(clip.label);
@@ -165,7 +165,7 @@ std::string accuracy_table(const Found& found) {
   return out;
 }
 
-// Warns of samples that are left out of a measure.
+// Warns of samples that a measure omits.
 void warn_missing(const Found& found, Session& session) {
   constexpr std::size_t kMostNames = 5;
   std::vector<std::string> noiseless, still, windowless;

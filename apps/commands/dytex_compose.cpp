@@ -28,15 +28,15 @@ struct Compose {
   bool noise = false;
 };
 
-/// A model that moves on its own, and where it shows.
+/// A model that moves independently, and where it shows.
 struct Layer {
   std::string model, mask;  // mask: "" for where the model moves
   dytex::LinearDynamicTexture texture;
   cv::Mat opacity;
-  std::unique_ptr<dytex::Synthesis> synthesis;  // of `texture`, which must stay where it is
+  std::unique_ptr<dytex::Synthesis> synthesis;  // refers to `texture`, which must not move in memory
 };
 
-/// MODEL, or MODEL:MASK where no folder has the whole name.
+/// Splits MODEL:MASK, unless a folder has the whole name.
 std::pair<std::string, std::string> split_layer(const std::string& text) {
   const auto colon = text.rfind(':');
   std::error_code ignored;

@@ -33,7 +33,7 @@ struct Compress {
   Reading reading;
 };
 
-// A model of some components in one precision.
+// A model with fewer components, in one precision.
 struct Kept {
   Eigen::Index components = 0;
   Precision precision = Precision::f32;
@@ -48,7 +48,7 @@ struct ClipSize {
   std::optional<std::size_t> file;
 };
 
-// Round numbers up to the model's own order.
+// Returns round numbers up to the model's own order.
 std::vector<Eigen::Index> orders(Eigen::Index most) {
   std::vector<Eigen::Index> found;
   for (const Eigen::Index n : {1, 2, 5, 10, 20, 30, 50, 75, 100, 150, 200, 300, 500, 750, 1000})
@@ -85,7 +85,7 @@ void measure(const Compress& asked, const io::ReadOptions& read, const dytex::Li
   }
 }
 
-// Bytes of a file, or of the images of a folder or pattern; none for built-in clips.
+// Returns the bytes of a file, or of the images of a folder or pattern; none for built-in clips.
 std::optional<std::size_t> file_bytes(const std::string& clip) {
   std::error_code error;
   std::vector<fs::path> files;
@@ -106,7 +106,7 @@ std::optional<std::size_t> file_bytes(const std::string& clip) {
 ClipSize clip_size(const Compress& asked, const dytex::LinearDynamicTexture& texture) {
   const auto depth = static_cast<std::size_t>(CV_ELEM_SIZE1(texture.info.depth));
   ClipSize size{static_cast<std::size_t>(texture.pixels() * texture.states.cols()) * depth, std::nullopt};
-  // A part of a file, or one read at another size, has no bytes of its own.
+  // A part of a file, or one rescaled, has no size in bytes of its own.
   const bool whole = asked.reading.is_whole();
   if (!asked.reading.clip.empty() && whole) size.file = file_bytes(asked.reading.clip);
   return size;

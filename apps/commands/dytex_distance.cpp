@@ -60,7 +60,7 @@ std::vector<dytex::LinearDynamicTexture> read_models(const std::vector<std::stri
   return models;
 }
 
-// Warns of what a model lacks for a distance. An error where KL was asked for and no pair has it.
+// Warns of what a model lacks for a distance. Throws where KL was requested and no pair has it.
 void warn_missing(const Distance& asked, const std::vector<dytex::LinearDynamicTexture>& models,
                   Session& session) {
   const bool asked_kl = asked.asked_growth || (asked.asked_measure && asked.measure == "kl");
@@ -81,7 +81,8 @@ void warn_missing(const Distance& asked, const std::vector<dytex::LinearDynamicT
   }
 }
 
-// Curves of two models both ways; of more, from the first to each other one that has noise.
+// Returns the curves of two models in both directions; of more, from the first to each other one that has
+// noise.
 std::vector<Growth> growths(const Distance& asked, const std::vector<std::string>& names,
                             const std::vector<dytex::LinearDynamicTexture>& models, const Session& session) {
   std::vector<std::pair<std::size_t, std::size_t>> ways;

@@ -21,12 +21,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The edits as the command line's words give them one by one.
+/// The edits that the command line gives, one by one.
 struct Editing {
   std::string model, output;
   std::vector<dytex::Edit> edits;
-  std::optional<int> channel;  // of those to come
-  bool keep_contrast = true;   // by those to come
+  std::optional<int> channel;  // of later edits
+  bool keep_contrast = true;   // by later edits
   std::string weights_file;    // of --weights, which may be numbers too
 
   template <class What>
@@ -45,7 +45,7 @@ bool has_channel(const dytex::Edit& edit) {
   return edit.channel.has_value();
 }
 
-/// "speed is 4, allowed …" names a field; the user knows the option.
+/// Rewrites "speed is 4, allowed …", which names a field, with the option's name.
 Misuse option_misuse(const std::string& message) {
   constexpr std::array kOptions{"speed",  "flow", "intensity", "directions", "coarse",
                                 "medium", "fine", "weights",   "channel",    "preset"};
@@ -76,7 +76,7 @@ void check_edits(const Editing& asked) {
   }
 }
 
-/// SD of what the model shows, levels: √(tr W P W / m).
+/// Returns the SD of the model's output, levels: √(tr W P W / m).
 double amplitude(const dytex::LinearDynamicTexture& texture) {
   if (texture.components() == 0) return 0;
   const Eigen::VectorXd variances = dytex::stationary_covariance(texture.A, texture.B).diagonal();
@@ -126,7 +126,7 @@ void run_edit(const Editing& asked, Session& session) {
   if (session.common.json) session.print(json_text(summary));
 }
 
-/// An option that adds an edit where it stands, as often as it is given.
+/// Adds an option that appends an edit each time it is given.
 template <class Take>
 void add_edit(CLI::App& command, const std::string& name, const std::string& unit, const std::string& about,
               const std::string& group, const Take& take) {

@@ -23,7 +23,7 @@ struct EmRequest {
 
 /// Adds --em, --missing, --filled, and the settings em.iterations, em.tolerance and em.noise_per_value.
 void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked);
-/// Checks the options, also against those of the closed form. Throws Misuse.
+/// Checks the options, also for consistency with those of the closed form. Throws Misuse.
 void check_em(const EmRequest& asked, const dytex::LearnOptions& learning);
 
 /// Improves the closed form of `dytex learn` by maximum likelihood, where the options ask for it.
@@ -32,7 +32,7 @@ class EmStage {
   /// Reads the mask of --missing, if any. `source`, `asked` and `session` must outlive it.
   EmStage(const EmRequest& asked, core::FrameSource& source, const io::ReadOptions& read, Session& session);
 
-  /// Returns the clip that the closed form is learned from, with missing pixels interpolated.
+  /// Returns the clip from which the closed form is learned, with missing pixels interpolated.
   [[nodiscard]] core::FrameSource& source() { return held_ ? *held_ : source_; }
   /// Improves the texture by EM; notes become warnings. Throws core::Cancelled.
   void improve(dytex::LinearDynamicTexture& texture);

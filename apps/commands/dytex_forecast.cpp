@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 struct Forecasting {
   std::string model, output;
-  Reading reading;  // the clip may be missing
+  Reading reading;  // the clip is optional
   int steps = 25, after = 0;
   bool asked_after = false;
 };
@@ -27,7 +27,7 @@ struct Forecasting {
 /// State of the model before the forecast begins.
 struct Known {
   dytex::StateGuess state;
-  std::int64_t frames = 0;  // of the clip that were filtered; 0: the model's own last state
+  std::int64_t frames = 0;  // of the clip that were filtered; 0: the model's own final state
   double log_likelihood = 0;
 };
 

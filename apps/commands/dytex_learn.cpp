@@ -30,7 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The words of an option and what they stand for.
+// The words of an option and their values.
 template <class Value>
 using Words = std::vector<std::pair<std::string, Value>>;
 
@@ -54,7 +54,7 @@ Value value_of(const Words<Value>& words, const std::string& word) {
 
 }  // namespace
 
-// Fifty components are the default for a long clip; a short one has fewer.
+// Reduces the default of fifty components, meant for long clips, for short ones.
 void fit_to_length(TextureLearning& asked, const core::ClipInfo& info, const Session& session) {
   if (!info.frames) return;
   const auto most = *info.frames - 1;
@@ -127,7 +127,7 @@ void check_options(const dytex::LearnOptions& options) {
   }
 }
 
-/// Learns from the region inside the mask alone, where there is one.
+/// Learns only from the region inside the mask, if there is one.
 dytex::LearnResult learn_region(const TextureLearning& asked, core::FrameSource& source,
                                 const core::Context& context) {
   if (asked.mask.empty()) return dytex::learn(source, asked.options, context);
@@ -172,7 +172,7 @@ void take_words(TextureLearning& asked) {
 }  // namespace
 
 std::string learning_message(const TextureLearning& asked, const std::string& message) {
-  // "lags: …" keeps its beginning: it is the option's name.
+  // "lags: …" keeps its prefix: it is the option's name.
   return asked.reading.clip + ": " + with_option_name(message, "components");
 }
 

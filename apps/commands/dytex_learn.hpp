@@ -15,7 +15,7 @@ namespace emberfold::apps {
 
 class MpiJob;
 
-/// What `dytex learn` is asked for.
+/// Request of `dytex learn`.
 struct TextureLearning {
   Reading reading;
   std::string output, mask;
@@ -24,16 +24,16 @@ struct TextureLearning {
   double energy = 0.95;
   EmRequest em;
   int memory = static_cast<int>(dytex::LearnOptions{}.memory >> 20);  ///< MiB
-  int block = 0;  ///< frames decomposed at a time; 0: all, or what suits a long clip
+  int block = 0;  ///< frames decomposed at a time; 0: all, or a size that suits a long clip
   std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
 };
 
-/// Checks the options and puts the words among them into `options`. Throws Misuse.
+/// Checks the options and parses the textual ones into `options`. Throws Misuse.
 io::ReadOptions check_learning(TextureLearning& asked, const Session& session);
-/// Takes fewer components than the default of a short clip; IoError of a clip of one frame, Misuse where more
-/// are asked for than there may be.
+/// Reduces the default number of components for a short clip. Throws IoError for a clip of one frame, Misuse
+/// where more are requested than possible.
 void fit_to_length(TextureLearning& asked, const core::ClipInfo& info, const Session& session);
-/// Returns the message of an InputError of learning as one for the user.
+/// Rewrites the message of a learning InputError for the user.
 std::string learning_message(const TextureLearning& asked, const std::string& message);
 
 /// Writes components.png.
@@ -41,7 +41,7 @@ void write_components(io::OutputFolder& output, const dytex::LinearDynamicTextur
 nlohmann::ordered_json learn_summary(const TextureLearning& asked, const io::ReadOptions& read,
                                      const core::ClipInfo& info, const dytex::LearnResult& learned,
                                      const Session& session);
-/// Tells what was learned.
+/// Reports what was learned.
 void say_learned(const TextureLearning& asked, const dytex::LinearDynamicTexture& texture,
                  const Session& session);
 

@@ -29,15 +29,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr Eigen::Index kDrawnComponents = 11;  // at most, by write_components
+constexpr Eigen::Index kDrawnComponents = 11;  // maximum number that write_components uses
 
-/// What rank 0 found out and all others are told.
+/// Header that rank 0 broadcasts.
 struct Told {
   int width = 0, height = 0, channels = 1, depth = 0;
   double fps = 25, white = 255;
   std::int64_t frames = -1;  // unknown
   int fps_is_known = 1, readers = 1, components = 1;
-  std::int64_t folder = 0, output = 0;  // lengths of the two paths behind this
+  std::int64_t folder = 0, output = 0;  // lengths of the two paths that follow
 };
 
 core::ClipInfo info_of(const Told& told) {
@@ -47,7 +47,7 @@ core::ClipInfo info_of(const Told& told) {
   return info;
 }
 
-/// True where a frame is found without going through those before it.
+/// Returns whether a frame can be read without reading those before it.
 bool any_frame_at_once(const std::string& clip) {
   std::error_code error;
   if (clip.starts_with("builtin:")) return true;
@@ -56,7 +56,8 @@ bool any_frame_at_once(const std::string& clip) {
   return fs::is_regular_file(clip, error) && io::is_tiff(clip);
 }
 
-/// How many ranks may read. Where white is looked for in floats, or a motion followed, one reads all.
+/// Returns the number of ranks that may read. One reads everything where the white level of floats has to be
+/// found, or motion is tracked.
 int reader_count(const std::string& clip, const io::ReadOptions& read, const core::ClipInfo& info,
                  int ranks) {
   const bool looked_for = info.depth == CV_32F && read.levels.kind != io::Levels::Kind::given;
@@ -70,12 +71,12 @@ fs::path kept_folder(const std::string& output) {
   return path.string() + ".learning";
 }
 
-/// Changes with everything that what is kept depends on.
+/// Returns a key that changes with everything that the stored work depends on.
 std::string work_key(const TextureLearning& asked, const io::ReadOptions& read, const core::ClipInfo& info) {
   core::Fingerprint sum;
   std::string clip = io::clip_identity(asked.reading.clip);
   if (asked.reading.clip.starts_with("builtin:")) clip = asked.reading.clip + std::to_string(read.seed);
-  if (clip.empty())  // a pipe: never the same again
+  if (clip.empty())  // a pipe cannot be read again
     clip = std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
   sum.add(kVersion).add(clip).add(reading_json(read).dump()).add(std::to_string(asked.block));
   sum.add(std::to_string(info.width) + "x" + std::to_string(info.height) + " " +
@@ -93,13 +94,13 @@ void refuse_what_needs_one(const TextureLearning& asked) {
   if (asked.em.is_needed()) refuse("--em");
 }
 
-/// The command on one rank. Its steps are called in turn, each on all ranks.
+/// Runs the command on one rank. Its steps are called in turn, each on all ranks.
 class LearningRank {
  public:
   LearningRank(TextureLearning asked, Session& session, dytex::Communicator& ranks)
       : asked_(std::move(asked)), session_(session), ranks_(ranks) {}
 
-  /// Checks what is asked for; rank 0 opens clip and output, and tells the others.
+  /// Checks the request; rank 0 opens clip and output, and broadcasts the result.
   void begin() {
     stages_.begin("learn");
     dytex::together(ranks_, [&] {
@@ -140,7 +141,7 @@ class LearningRank {
                                        keeper, rows, session_.context);
   }
 
-  /// Writes the model; what was kept is removed.
+  /// Writes the model, and removes the stored work.
   void finish() {
     const auto sent =
         dytex::tell_together(ranks_, [&] { return static_cast<std::int64_t>(ranks_.bytes_sent()); });
@@ -225,7 +226,7 @@ class LearningRank {
   dytex::DistributedResult result_;
 };
 
-/// Throws on rank 0 what a rank failed with, for all of them.
+/// Throws on rank 0, for all ranks, the error that one of them met.
 void speak(const dytex::FailedTogether& failed, const TextureLearning* learning) {
   const std::string who = failed.rank() > 0 ? " (rank " + std::to_string(failed.rank()) + ")" : "";
   try {
@@ -253,7 +254,7 @@ void learn_on_ranks(const TextureLearning& asked, Session& session, MpiJob* job)
     rank.learn();
     rank.finish();
   } catch (const dytex::FailedTogether& failed) {
-    // Rank 0 alone tells, and ends with a status other than 0: the launcher stops nobody before it has.
+    // Only rank 0 reports the error and exits with a non-zero status; the launcher stops no rank before that.
     if (ranks.rank() > 0) return;
     drop_unbegun_work(kept_folder(asked.output));
     speak(failed, began ? &asked : nullptr);

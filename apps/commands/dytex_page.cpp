@@ -22,7 +22,7 @@ struct Page {
   std::string model, output, mask;
 };
 
-// Empty where none is asked for.
+// Reads the mask; empty where none is given.
 cv::Mat read_page_mask(const std::string& path, const core::ClipInfo& info) {
   if (path.empty()) return {};
   cv::Mat mask = io::read_mask(path);

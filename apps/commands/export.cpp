@@ -42,7 +42,7 @@ std::ifstream open_of_run(const fs::path& folder, const char* name) {
   return io::open_file(folder / name);
 }
 
-/// Reads the graphs of a run: motion.jsonl, or where it was left out what the stages kept.
+/// Reads the graphs of a run: from motion.jsonl, or if that was not written from its stored stages.
 graph::MotionGraph read_motion_of_run(const fs::path& folder, const nlohmann::json& summary) {
   std::error_code error;
   if (!fs::exists(folder / "motion.jsonl", error) && !summary.contains("review")) {

@@ -22,7 +22,7 @@ struct Gather {
   std::string runs, output, groups;
 };
 
-/// Returns an address of a file that holds in a link: every byte that may mean something else is escaped.
+/// Returns the URL of a file, with every byte escaped that could have another meaning.
 std::string link_to(const fs::path& file) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~/";
   constexpr std::string_view kDigits = "0123456789ABCDEF";

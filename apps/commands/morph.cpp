@@ -161,7 +161,7 @@ class MorphFilms {
   }
 
  private:
-  static constexpr std::size_t kShown = 5;  // at even steps; fewer where there are fewer frames
+  static constexpr std::size_t kShown = 5;  // evenly spaced; fewer where there are fewer frames
   const graph::Morph& morph_;
   std::unique_ptr<io::VideoWriter> film_, overlay_;
   std::vector<cv::Mat> stages_, graphs_;

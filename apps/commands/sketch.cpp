@@ -30,7 +30,7 @@ struct Sketch {
   bool own_budget = false, own_regions = false;
 };
 
-// The names are those that the parser lets through.
+// Only names that the parser accepts arrive here.
 pipeline::PatchDrawing patches_named(const std::string& name) {
   if (name == "learned") return pipeline::PatchDrawing::learned;
   return name == "pixels" ? pipeline::PatchDrawing::pixels : pipeline::PatchDrawing::fitted;
@@ -45,7 +45,7 @@ void refuse(const std::string& option, const std::string& value, const std::stri
   throw Misuse(option + " is " + value + "; allowed is " + allowed);
 }
 
-// Completes the request with options that follow from others, and checks it.
+// Completes the request with dependent options, and checks it.
 SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, const Session& session) {
   SketchRequest request = asked.request;
   request.first_frame = read.first;
@@ -130,7 +130,7 @@ Json summarise(const Sketch& asked, const SketchRequest& request, const io::Read
   return summary;
 }
 
-// All files but the summary.
+// Writes all files but the summary.
 SketchRun write_sketched(const std::string& clip, const SketchRequest& request, core::FrameSource& source,
                          io::OutputFolder& output, Stages& stages, Session& session) {
   try {
@@ -189,7 +189,7 @@ void run_sketch(const Sketch& asked, Session& session) {
   if (session.common.json) session.print(json_text(summary));
 }
 
-// A share that may be left out.
+// Parses a share; the option's value may be omitted.
 void parse_anchors(const std::string& text, double& share) {
   constexpr double kUsual = 0.2;
   share = kUsual;

@@ -28,7 +28,7 @@ pipeline::ModelFill parse_fill(const std::string& text) {
 
 using Json = nlohmann::ordered_json;
 
-/// Draws and writes all that was asked for. Whoever interrupts it keeps the frames that there are.
+/// Draws and writes all requested files. An interrupted run keeps the frames so far.
 void write_clips(const SynthRequest& asked, SynthOutputs& outputs, pipeline::ClipSynthesis& frames,
                  const Session& session) {
   try {
@@ -62,7 +62,7 @@ Json statistics_json(const pipeline::SynthesisStatistics& drawn) {
           {"operators", counts}};
 }
 
-/// Figures of a clip made of footage; at a jump_cost of 1 jumps change as much as any frame does.
+/// Lists figures of a clip made of footage; at a jump_cost of 1, jumps change as much as any frame does.
 Json footage_json(const pipeline::FootageSynthesis& drawn) {
   const auto rounded = [](double value) { return std::round(100 * value) / 100; };
   return {{"jump_cost", rounded(drawn.jump_cost())},
@@ -72,7 +72,7 @@ Json footage_json(const pipeline::FootageSynthesis& drawn) {
           {"copied_share", rounded(drawn.copied_share())}};
 }
 
-/// How much of the frames is still, played, … .
+/// Lists the shares of the frames that are still, played, … .
 Json shares_json(const SourceMap& sources) {
   Json shares = Json::object();
   const auto values = sources.shares();
@@ -119,7 +119,7 @@ void run_synth(SynthRequest asked, Session& session) {
   stages.begin("edit");
   const auto& edit = asked.edit.edit;
   const bool carries = asked.fill_kind == pipeline::ModelFill::carried;
-  const bool plays = opened.footage && !carries;  // at another speed it is played so, not edited
+  const bool plays = opened.footage && !carries;  // another speed is a matter of playing, not an edit
   if (!plays && !carries) opened = apply_edits(std::move(opened), asked.edit, session);
   stages.begin("synthesize");
   const pipeline::ClipSynthesisOptions options{
@@ -174,7 +174,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
       ->add_option("--motion", asked->motion,
                    "Write graphs and links, as motion.jsonl; --overlay OUT draws them")
       ->type_name("FILE");
-  // Told with --motion, so that the help fits on one screen; so are others below.
+  // Described with --motion, so that the help fits on one screen; likewise others below.
   command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")
       ->type_name("OUT")
       ->group("");

@@ -18,9 +18,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr std::size_t kInRow = 3;  // pictures beside each other in the report
+constexpr std::size_t kInRow = 3;  // pictures per row in the report
 
-/// Calls `compare` and words its errors with the clips' names and the files' final names.
+/// Calls `compare` and rephrases its errors with the clips' names and the files' final names.
 template <class Compare>
 auto with_names(std::span<const std::string> clips, const io::OutputFolder& output, const Compare& compare) {
   try {
@@ -53,7 +53,8 @@ Json synthesis_json(const pipeline::ModelComparison& found) {
   return synthesis;
 }
 
-/// Whether events are as frequent in both clips: a second where both tell their rate, otherwise a frame.
+/// Tests whether events are equally frequent in both clips: per second where both frame rates are known,
+/// otherwise per frame.
 Json rate_tests_of(const pipeline::ClipComparison& found, const core::ClipInfo& a, const core::ClipInfo& b) {
   const bool seconds = a.fps_is_known && b.fps_is_known;
   const auto counts = [](const pipeline::ClipProfile& clip) {

@@ -14,10 +14,10 @@
 
 namespace emberfold::apps {
 
-/// Holds a comparison as the command writes it.
+/// Holds a comparison as written by the command.
 struct Comparison {
   nlohmann::ordered_json measures;  ///< the content of measures.json
-  std::vector<std::string> files;   ///< what was written into the output, by name
+  std::vector<std::string> files;   ///< names of the files written into the output
   std::vector<ComparedFrame> pictures = {};
   cv::Mat sheet = {};  ///< contact_sheet.png, CV_8UC3
 };
@@ -30,7 +30,7 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip,
                         io::OutputFolder& output, Session& session);
 
 /// Compares two clips (pipeline::compare). Writes side_by_side.mp4, as long as the shorter one, and
-/// measures.json. Throws as compare_clip().
+/// measures.json. Throws like compare_clip().
 Comparison compare_clips(core::FrameSource& a, const std::string& name_a, core::FrameSource& b,
                          const std::string& name_b, const pipeline::CompareOptions& options,
                          io::OutputFolder& output, Session& session);

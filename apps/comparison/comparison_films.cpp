@@ -65,7 +65,7 @@ void ComparisonFilms::write(int first, std::span<const std::vector<cv::Mat>> cli
   }
 }
 
-/// Keeps a small picture of each clip where the sheet shows one.
+/// Keeps small pictures of all clips at the frames of the sheet.
 void ComparisonFilms::add_to_sheet(int frame, std::span<const cv::Mat> row) {
   const int moments = std::min(kMoments, shortest_), next = static_cast<int>(sheet_.size());
   if (next == moments || frame < (2 * next + 1) * shortest_ / (2 * moments)) return;

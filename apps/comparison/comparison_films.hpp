@@ -24,17 +24,17 @@ struct ComparedFrame {
 /// Returns the file of a model's new clip, by the model's key.
 std::string drawn_clip_file(const std::string& key);
 
-/// Writes side_by_side.mp4 and the clip of each model while they are compared, and keeps two frames for the
+/// Writes side_by_side.mp4 and the clip of each model during the comparison, and keeps two frames for the
 /// report, at a quarter and three quarters of the shortest clip.
 class ComparisonFilms {
  public:
-  /// `labels`: instead of those of the comparison; `in_row`: pictures in a row of a kept frame.
+  /// `labels`: replace those of the comparison; `in_row`: pictures per row of a kept frame.
   ComparisonFilms(const io::OutputFolder& output, std::vector<std::string> labels, std::size_t in_row)
       : output_(output), labels_(std::move(labels)), in_row_(in_row) {}
 
-  /// Returns what writes the frames as they come; refers to this object.
+  /// Returns an observer that writes the frames as they arrive; refers to this object.
   pipeline::CompareObserver observer();
-  /// Ends all files.
+  /// Completes all files.
   void finish();
   std::vector<ComparedFrame> take_pictures() { return std::move(pictures_); }
   /// Returns a picture with a row for each clip: its frames at six moments, CV_8UC3.
@@ -50,7 +50,7 @@ class ComparisonFilms {
   std::size_t in_row_;
   int shortest_ = 0;
   std::optional<SideBySide> beside_;
-  std::vector<std::unique_ptr<io::VideoWriter>> writers_;  ///< by clip; null where it has no file
+  std::vector<std::unique_ptr<io::VideoWriter>> writers_;  ///< by clip; null without a file
   std::vector<ComparedFrame> pictures_;
   std::vector<std::vector<cv::Mat>> sheet_;  ///< by moment and clip
   std::vector<int> sheet_frames_;            ///< by moment

@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kDigits = 3;      // behind the point, of measures
+constexpr int kDigits = 3;      // decimals, of measures
 constexpr int kRateDigits = 5;  // of rates and their intervals
 
 Json rounded_json(double value) {

@@ -20,24 +20,24 @@ nlohmann::ordered_json begin_measures(const pipeline::MeasureScale& scale);
 
 using NamedCurves = std::vector<std::pair<std::string, const pipeline::MeasureCurves*>>;
 
-/// Lists the curves of clips by name: spectra, dB, with their frequencies (cycles a frame, and cycles a pixel
-/// of each ring's outer edge), and autocorrelations by lag.
+/// Lists the curves of clips by name: spectra, dB, with their frequencies (cycles per frame, and cycles per
+/// pixel at each ring's outer edge), and autocorrelations by lag.
 nlohmann::ordered_json curves_json(const NamedCurves& clips, const pipeline::MeasureScale& scale);
 
-/// Returns a measure as written, three digits behind the point; null where there is none.
+/// Returns a rounded measure, three decimals; null where there is none.
 nlohmann::ordered_json rounded_or_null(const std::optional<double>& value);
 
-/// Describes one clip: {"figures", "strokes"}, these where they were sought.
+/// Describes one clip: {"figures", "strokes"}, the latter where strokes were sought.
 nlohmann::ordered_json profile_json(const pipeline::ClipProfile& profile);
 
-/// Lists distances by the keys of all_measures(), "inside": which figures of strokes lie in the reference's
-/// intervals, and "visible": pipeline::VisibleFigures.
+/// Lists distances by the keys of all_measures(), with "inside", the stroke figures within the reference's
+/// intervals, and "visible", pipeline::VisibleFigures.
 nlohmann::ordered_json distances_json(const pipeline::ClipDistances& distances);
 
-/// Lists how well each method predicts, by steps and by frames.
+/// Lists the quality of each method's predictions, by steps and by frames.
 nlohmann::ordered_json prediction_json(const pipeline::PredictionMeasures& prediction);
 
-/// Lists how well each model shows a frame that it is given.
+/// Lists the quality of each model's reconstruction of a given frame.
 nlohmann::ordered_json reconstruction_json(const pipeline::PredictionMeasures& prediction);
 
 /// Lists quality against size: {"points", "equal"}.
@@ -45,14 +45,14 @@ nlohmann::ordered_json size_curve_json(const pipeline::SizeCurve& curve);
 
 void write_measures(const nlohmann::ordered_json& measures, io::OutputFolder& output);
 
-/// Returns all measures in the order of tables and reports: of pixels, then of strokes.
+/// Returns all measures in the order of tables and reports: pixels, then strokes.
 std::vector<pipeline::MeasureDescription> all_measures();
 
 /// Names a column of a table of distances: a model, another clip, or the noise floor.
 struct DistanceColumn {
   std::string key, label;
 };
-/// Returns the columns that `measures` has distances for, in order.
+/// Returns the columns for which `measures` has distances, in order.
 std::vector<DistanceColumn> distance_columns(const nlohmann::ordered_json& measures);
 /// Returns the distances of one column; null where there are none.
 const nlohmann::ordered_json& distances_of(const nlohmann::ordered_json& measures, const std::string& key);

@@ -30,7 +30,7 @@ std::string row(const std::string& name, const std::string& cells) {
   return out + cells + "\n";
 }
 
-// Names above columns of numbers: the label's last words that fit.
+// Returns the last words of a label that fit above a column of numbers.
 std::string heading(const std::string& label) {
   constexpr std::size_t kWidth = 13;
   std::string text = label == "linear dynamic texture" ? "dyn. texture"
@@ -68,7 +68,7 @@ std::string prediction_table(const Json& measures) {
 
 namespace {
 
-/// Whether events are as frequent in the other clip.
+/// Returns the table of tests whether events are equally frequent in both clips.
 std::string rate_table(const Json& measures) {
   if (!measures.contains("rate_tests")) return {};
   const Json& tests = measures["rate_tests"];
@@ -86,7 +86,7 @@ std::string rate_table(const Json& measures) {
   return out;
 }
 
-/// What a person sees of the clips.
+/// Returns the table of the clips' visible differences.
 std::string visible_table(const Json& measures, const std::vector<DistanceColumn>& columns) {
   std::string rows;
   for (const auto& measure : pipeline::visible_measures()) {

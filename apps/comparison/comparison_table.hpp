@@ -7,7 +7,7 @@
 
 namespace emberfold::apps {
 
-/// Lays out the content of measures.json as a table for the console.
+/// Formats the content of measures.json as a table for the console.
 std::string comparison_table(const nlohmann::ordered_json& measures);
 
 }  // namespace emberfold::apps

@@ -52,7 +52,7 @@ struct Standing {
   std::vector<std::string> nearest, farthest, equal;  // names of measures
 };
 
-// `others`: that there are other models to be nearer than.
+// `others`: whether there are other models to compare with.
 std::string model_words(const DistanceColumn& model, const Standing& standing, std::size_t measures,
                         bool others) {
   const std::string name = "The " + model.label;
@@ -109,7 +109,7 @@ std::vector<std::string> synthesis_words(const Json& measures) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       if (!values[i]) continue;
       if (*values[i] <= best && best < worst) standings[i].nearest.push_back(name);
-      // Nobody loses who is as near as can be asked for.
+      // A model within the noise floor is never listed as worst.
       if (least && at_floor(*values[i], *least))
         standings[i].equal.push_back(name);
       else if (*values[i] >= worst && best < worst)
@@ -127,7 +127,7 @@ std::vector<std::string> synthesis_words(const Json& measures) {
   return words;
 }
 
-// Holds those of `named` (key, name) with the best PSNR at a step, to a tenth of a dB.
+// Holds the `named` models (key, name) with the best PSNR at a step, to a tenth of a dB.
 struct BestPredictors {
   std::vector<std::string> names;
   std::string decibels;
@@ -149,7 +149,8 @@ BestPredictors best_of(const Json& methods, std::size_t step,
   return best;
 }
 
-// Best predictions, one step on and at the last step, beside the better of two methods without a model.
+// Describes the best predictions, one step ahead and at the last step, compared with the better of two
+// methods without a model.
 std::vector<std::string> prediction_words(const Json& measures) {
   if (!measures.contains("prediction") || !measures["prediction"].is_object()) return {};
   const auto& [methods, steps] = std::tie(measures["prediction"]["methods"], measures["prediction"]["steps"]);
@@ -210,7 +211,8 @@ std::string visible_text(const Json& visible) {
          " % of what moves is as in one frame of it";
 }
 
-// The verdict: which new clip a person would take for the source, beside the loop that only repeats it.
+// Describes the verdict: which new clip is visibly closest to the source, compared with the loop that only
+// repeats it.
 std::vector<std::string> verdict_words(const Json& measures) {
   if (measures.contains("other")) {
     const auto& other = distances_of(measures, "other");

@@ -17,7 +17,7 @@ namespace emberfold::apps {
 
 namespace {
 
-/// A file that is closed at the end.
+/// A file that the destructor closes.
 class Written {
  public:
   Written(const std::filesystem::path& path, int flags)

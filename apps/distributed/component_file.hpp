@@ -8,15 +8,16 @@
 
 namespace emberfold::apps {
 
-/// A C.npy that several processes write, each its rows. Functions throw core::IoError.
+/// A C.npy to which several processes write their rows. Functions throw core::IoError.
 class ComponentFile {
  public:
   /// `values`: m, rows of C.
   ComponentFile(std::filesystem::path path, std::size_t values) : path_(std::move(path)), values_(values) {}
 
-  /// Makes the file of n columns, and takes its room on the disk; one process does, before any row.
+  /// Creates the file of n columns and allocates its disk space; called by one process before any row is
+  /// written.
   void begin(Eigen::Index n) const;
-  /// Writes the rows from `first` on.
+  /// Writes rows, beginning with row `first`.
   void put(std::size_t first, const Eigen::MatrixXf& rows) const;
   /// Reads the first `count` columns of n.
   [[nodiscard]] Eigen::MatrixXf first_columns(Eigen::Index count, Eigen::Index n) const;

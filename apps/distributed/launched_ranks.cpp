@@ -8,8 +8,7 @@ namespace emberfold::apps {
 namespace {
 
 int number_in(const char* name) {
-  const char* const text =
-      std::getenv(name);  // NOLINT(concurrency-mt-unsafe): no thread is there yet that sets it
+  const char* const text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): no other thread exists yet
   return text == nullptr ? 0 : std::atoi(text);
 }
 
@@ -17,7 +16,7 @@ int number_in(const char* name) {
 
 int launched_ranks() {
   if (const int ranks = number_in("OMPI_COMM_WORLD_SIZE"); ranks > 0) return ranks;  // Open MPI
-  const int ranks = number_in("PMI_SIZE");  // MPICH, and Slurm, which tells it to single processes, too
+  const int ranks = number_in("PMI_SIZE");  // MPICH, and Slurm, which also sets it for single processes
   return ranks > 1 ? ranks : 0;
 }
 

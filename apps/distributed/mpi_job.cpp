@@ -12,10 +12,10 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 28;  // of one message: counts of MPI are of 31 bits
+constexpr std::size_t kMostBytes = std::size_t{1} << 28;  // of one message: MPI counts have 31 bits
 constexpr int kTag = 0;
 
-/// Calls body(part) for the parts of bytes that one message may have.
+/// Calls body(part) for parts of the bytes that fit in one message.
 template <class Bytes, class Body>
 void in_messages(Bytes bytes, const Body& body) {
   for (std::size_t at = 0; at < bytes.size(); at += kMostBytes)

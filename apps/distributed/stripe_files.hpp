@@ -9,8 +9,8 @@
 
 namespace emberfold::apps {
 
-/// Keeps stripes as files of a folder that all ranks see: stripe-N with a stripe's values, which are mapped
-/// into memory, and a file for everything that has a name.
+/// Keeps stripes as files in a folder that all ranks share: stripe-N with a stripe's values, mapped into
+/// memory, and one file for each named value.
 class StripeFiles final : public dytex::StripeKeeper {
  public:
   explicit StripeFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -38,11 +38,12 @@ class StripeFiles final : public dytex::StripeKeeper {
   std::map<std::size_t, Open> open_;
 };
 
-/// Begins or goes on with the work kept in a folder: it is made where it is not there, and emptied where what
-/// it holds has another key. Throws core::IoError where it holds other things than such work, or cannot be
-/// made. Returns whether there is work of this key.
+/// Begins or resumes the work stored in a folder.
+/// The folder is created where missing, and emptied where it holds work with another key. Throws
+/// core::IoError where it holds anything else, or cannot be created. Returns whether there is work with this
+/// key.
 bool begin_kept_work(const std::filesystem::path& folder, const std::string& key);
-/// Removes such a folder if nothing is done yet that a later run could go on from.
+/// Removes such a folder if it holds nothing that a later run could resume.
 void drop_unbegun_work(const std::filesystem::path& folder);
 
 }  // namespace emberfold::apps

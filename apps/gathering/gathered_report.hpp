@@ -8,7 +8,7 @@
 namespace emberfold::apps {
 
 /// Returns one self-contained HTML page. `gathered`: of gathered_json, each run with "link", the address of
-/// its own report as seen from the page; `table`: the content of table.csv.
+/// its own report relative to the page; `table`: the content of table.csv.
 std::string make_gathered_report(const std::string& folder, const nlohmann::ordered_json& gathered,
                                  const std::string& table, const nlohmann::ordered_json& summary);
 

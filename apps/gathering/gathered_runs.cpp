@@ -58,7 +58,7 @@ GatheredRun read_run(const Summary& summary, const fs::path& path) {
   return run;
 }
 
-/// Finds the folders that an analysis was written into. What lies below such a folder belongs to it.
+/// Finds the folders with an analysis. Folders below one belong to it.
 void find_runs(const fs::path& folder, std::vector<fs::path>& found, int depth = 0) {
   constexpr int kDeepest = 12;
   std::error_code error;
@@ -82,7 +82,7 @@ std::string trimmed(std::string text) {
   return {first, text.end()};
 }
 
-/// Reads lines "run,group"; the first one is a head.
+/// Reads lines "run,group" after a header.
 std::map<std::string, std::string> read_groups(const std::string& file) {
   auto in = io::open_file(file);
   std::map<std::string, std::string> groups;

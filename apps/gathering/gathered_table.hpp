@@ -12,13 +12,13 @@
 
 namespace emberfold::apps {
 
-/// Writes a line for each run and type of event, and for each group and type: table.csv.
+/// Writes table.csv: a line for each run and type of event, and for each group and type.
 void write_gathered_table(std::ostream& out, const GatheredRuns& gathered, const GroupStatistics& statistics);
 
 /// Returns the same, and the tests between groups, as JSON.
 nlohmann::ordered_json gathered_json(const GatheredRuns& gathered, const GroupStatistics& statistics);
 
-/// Returns what was found in sentences, the most important first.
+/// Describes the results in sentences, the most important first.
 std::vector<std::string> gathered_words(const GatheredRuns& gathered, const GroupStatistics& statistics);
 
 }  // namespace emberfold::apps

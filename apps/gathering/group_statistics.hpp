@@ -10,7 +10,7 @@
 
 namespace emberfold::apps {
 
-/// What rates are told by: the finest that all runs know.
+/// Names the unit of rates: the finest that all runs have.
 enum class RateUnit { frame, second, second_and_mm2 };
 
 /// Returns "frame", "second" or "second and mm2".
@@ -18,14 +18,14 @@ std::string name(RateUnit unit);
 
 /// One rate: of a run or of a group of runs.
 struct GatheredRate {
-  std::string group, run;  ///< no run: of the whole group
+  std::string group, run;  ///< no run: for the whole group
   std::string type;        ///< class of events, or "all"
   double count = 0, exposure = 0;
   core::Interval rate;    ///< with its 90 % interval
   double dispersion = 1;  ///< of a group's clips
 };
 
-/// How often events of a type are in one group beside another.
+/// Compares the frequency of a type of event in two groups.
 struct GatheredTest {
   std::string first, second, type;
   core::GroupComparison found;  ///< ratio: of second to first
@@ -36,10 +36,11 @@ struct GroupStatistics {
   std::vector<std::string> groups;  ///< sorted
   std::vector<std::string> types;   ///< six classes, then "all"
   std::vector<GatheredRate> rates;  ///< by group, its runs first; by type in each
-  std::vector<GatheredTest> tests;  ///< of every two groups, the first sorts before the second
+  std::vector<GatheredTest> tests;  ///< of every pair of groups, the first sorted before the second
 };
 
-/// Measures the rates of all runs and groups, and compares every two groups. At most 20 groups are compared.
+/// Measures the rates of all runs and groups, and compares every pair of groups. At most 20 groups are
+/// compared.
 GroupStatistics measure_groups(const std::vector<GatheredRun>& runs, std::uint64_t seed);
 
 }  // namespace emberfold::apps

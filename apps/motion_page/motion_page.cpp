@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Collects the bytes of a page's files, each with its place and size.
+// Collects the bytes of a page's files, each with its offset and size.
 struct PageBytes {
   std::vector<unsigned char> all;
 
@@ -83,7 +83,7 @@ Json put_look(const pipeline::ClipModel& model, PageBytes& bytes) {
   return json;
 }
 
-// Returns the name of the run that a model belongs to, where it lies in one as "model".
+// Returns the name of the run whose folder "model" this is, otherwise the folder's own name.
 std::string run_title(const std::string& folder) {
   const auto path = std::filesystem::path(folder).lexically_normal();
   const auto model = path.has_filename() ? path : path.parent_path();

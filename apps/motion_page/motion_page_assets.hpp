@@ -4,11 +4,11 @@
 #include <span>
 #include <string_view>
 
-// The files of apps/motion_page/, put into the program when it is built (cmake/embed_files.cmake).
+// The files of apps/motion_page/, embedded into the program by the build (cmake/embed_files.cmake).
 namespace emberfold::apps {
 extern const std::string_view kMotionPageTemplate, kMotionPageStyle, kMotionPageScript;
 
-/// Returns the simulator compiled to WebAssembly; nothing where the compiler for that was missing when the
-/// program was built (cmake/wasm.cmake).
+/// Returns the simulator compiled to WebAssembly; empty where its compiler was missing in the build
+/// (cmake/wasm.cmake).
 std::span<const unsigned char> motion_page_program();
 }  // namespace emberfold::apps

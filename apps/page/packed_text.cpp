@@ -29,11 +29,11 @@ std::string deflated_text(std::span<const unsigned char> bytes, int strategy) {
   if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kWindow, kMemory, strategy) != Z_OK)
     throw std::bad_alloc();
   std::vector<unsigned char> packed(deflateBound(&stream, static_cast<uLong>(bytes.size())));
-  stream.next_in = const_cast<unsigned char*>(bytes.data());  // zlib's own type; it only reads
+  stream.next_in = const_cast<unsigned char*>(bytes.data());  // zlib's type lacks const; it only reads
   stream.avail_in = static_cast<uInt>(bytes.size());
   stream.next_out = packed.data();
   stream.avail_out = static_cast<uInt>(packed.size());
-  deflate(&stream, Z_FINISH);  // there is room for all
+  deflate(&stream, Z_FINISH);  // the buffer is large enough
   packed.resize(stream.total_out);
   deflateEnd(&stream);
   return base64(packed);

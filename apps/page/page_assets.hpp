@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-// The files of apps/page/, put into the program when it is built (cmake/embed_files.cmake).
+// The files of apps/page/, embedded into the program by the build (cmake/embed_files.cmake).
 namespace emberfold::apps {
 extern const std::string_view kPageTemplate, kPageStyle, kPageScript;
 }  // namespace emberfold::apps

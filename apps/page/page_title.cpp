@@ -9,13 +9,13 @@ namespace emberfold::apps {
 
 namespace {
 
-// Replaces bytes that are no UTF-8.
+// Replaces bytes that are not UTF-8.
 std::string as_utf8(const std::string& text) {
   using Json = nlohmann::json;
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
-// The path without a slash at its end.
+// Returns the path without a trailing slash.
 std::filesystem::path folder_path(const std::string& folder) {
   const std::filesystem::path path = std::filesystem::path(folder).lexically_normal();
   return path.has_filename() ? path : path.parent_path();

@@ -31,11 +31,11 @@ using dytex::LinearDynamicTexture;
 using Eigen::Index;
 using Json = nlohmann::ordered_json;
 
-constexpr double kError = 0.2;  // levels, RMS of what rounding all components changes
+constexpr double kError = 0.2;  // levels, RMS, total effect of rounding all components
 constexpr double kMeanStep = 0.125;
-constexpr int kMostSteps = 32'000, kNarrowSteps = 127;  // to either side of 0: two bytes, one
+constexpr int kMostSteps = 32'000, kNarrowSteps = 127;  // on either side of 0: two bytes, one
 
-// Collects all doubles of a page in one array, with the place of each matrix; column-major.
+// Collects all doubles of a page in one array, with the offset of each matrix; column-major.
 struct Numbers {
   std::vector<double> values;
   Json places = Json::object();
@@ -98,7 +98,7 @@ Json preset_list() {
   return list;
 }
 
-// Adds A and B, and for every group its eigenvalues and vectors, from which other speeds are computed.
+// Adds A and B, and the eigenvalues and vectors of every group, from which other speeds are computed.
 Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTexture& texture,
                 std::span<const dytex::detail::Group> groups) {
   numbers.put(name + ".A", texture.A);
@@ -148,8 +148,8 @@ Json put_dynamics(Numbers& numbers, const LinearDynamicTexture& texture) {
   return data;
 }
 
-// Chooses the rounding step of every component so that all contribute alike at their usual amplitude (of the
-// training frames, or as drawn), and kError together.
+// Chooses the rounding steps such that all components contribute equally at their usual amplitude (of the
+// training frames, or as drawn), and kError in total.
 std::vector<float> component_steps(const LinearDynamicTexture& texture) {
   const Index n = texture.components();
   std::vector<float> steps;
@@ -175,7 +175,7 @@ float quantise(float value, float step) {
 
 struct Image {
   std::string text;
-  bool wide = false;  ///< needs two bytes a value
+  bool wide = false;  ///< needs two bytes per value
 };
 
 Image pack_image(std::span<const float> values, float step, cv::Size size) {
@@ -230,7 +230,7 @@ void measure_rounding(const LinearDynamicTexture& texture, const std::vector<flo
   page.largest_error = *std::ranges::max_element(largest);
 }
 
-// A mask in 8 bits; what is not 0 stays inside.
+// Encodes a mask in 8 bits; non-zero pixels are inside.
 std::string mask_element(const cv::Mat& mask, const core::ClipInfo& info) {
   if (mask.empty()) return "";
   dytex::check_mask(mask, info);

@@ -10,27 +10,27 @@
 
 namespace emberfold::apps {
 
-/// Bounds of a page, so that browsers load it: values of components (m n), other numbers, order n.
+/// Limits of a page that browsers can load: values of components (m n), other numbers, order n.
 constexpr long long kPageValues = 48'000'000, kPageNumbers = 8'000'000, kPageOrder = 400;
 
 /// A texture and its labels on the page.
 struct TexturePageInput {
   const dytex::LinearDynamicTexture* texture = nullptr;
-  std::string model;               ///< its folder, as the user gave it
-  std::vector<std::string> edits;  ///< what it went through, as apps/textures/texture_edits.hpp tells
+  std::string model;               ///< its folder, as given by the user
+  std::vector<std::string> edits;  ///< its earlier edits, as in apps/textures/texture_edits.hpp
   std::string version;
-  cv::Mat mask = {};  ///< where the page shows its edits, white inside; empty: everywhere
+  cv::Mat mask = {};  ///< where the page applies its edits, white inside; empty: everywhere
 };
 
-/// The page and the errors of its rounding.
+/// The page and its rounding errors.
 struct TexturePage {
   std::string html;
   double error = 0;          ///< levels, RMS, of frames drawn from the page's components
-  double largest_error = 0;  ///< levels, of some training frames' values
+  double largest_error = 0;  ///< levels, over the values of some training frames
 };
 
 /// Makes a self-contained page that runs the texture live in a browser. Mean and components are images of
-/// whole numbers whose steps follow from their amplitudes (0.2 levels RMS of a frame), all else is in
+/// whole numbers whose steps follow from their amplitudes (0.2 levels RMS of a frame), everything else is in
 /// doubles. Throws InputError where the texture is not valid or too large, and as dytex::check_mask;
 /// NumericalError as dytex::edit.
 TexturePage make_texture_page(const TexturePageInput& input);

@@ -17,7 +17,8 @@ namespace emberfold::apps {
 namespace {
 
 const cv::Scalar kFaint(226, 222, 218);
-// Blue, vermilion, green, purple, orange, sky, black: told apart by the colour-blind too (Okabe, Ito 2008).
+// Blue, vermilion, green, purple, orange, sky, black: distinguishable with colour blindness (Okabe, Ito
+// 2008).
 const std::array<cv::Scalar, 7> kColours = {
     cv::Scalar(178, 114, 0), cv::Scalar(0, 94, 213),   cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
     cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86), cv::Scalar(60, 60, 60)};
@@ -33,7 +34,7 @@ class Axis {
     low_ = std::min(low_, on_scale(value));
     high_ = std::max(high_, on_scale(value));
   }
-  // Linear axes of amounts begin at 0.
+  // Linear axes of quantities begin at 0.
   void settle(bool from_zero) {
     if (low_ > high_) low_ = 0, high_ = 1;
     if (!log_ && from_zero) low_ = std::min(low_, 0.0);
@@ -130,7 +131,7 @@ const cv::Scalar& colour_of(const CurvePlot& plot, std::size_t i) {
   return kColours[(own < 0 ? i : static_cast<std::size_t>(own)) % kColours.size()];
 }
 
-// Chooses the corner where the legend covers fewest pixels of curves (CV_8U, not 0 on a curve).
+// Chooses the corner where the legend covers the fewest pixels of curves (CV_8U, not 0 on a curve).
 cv::Rect names_place(cv::Size size, const cv::Mat& curves) {
   constexpr int kMargin = 8;
   const int left = kBox.x + kMargin, right = kBox.x + kBox.width - kMargin - size.width,

@@ -87,7 +87,7 @@ std::string hex(Colour colour) {
 
 Colour event_colour(graph::EventType type) {
   using enum graph::EventType;
-  switch (type) {  // told apart by the colour-blind too
+  switch (type) {  // distinguishable with colour blindness
     case birth:
       return {0, 146, 104};
     case death:
@@ -108,7 +108,7 @@ Colour stroke_colour(std::uint32_t identity) {
   const double turn = std::fmod(identity * 0.6180339887498949, 1.0);
   const double lift = identity % 2 == 0 ? 0.0 : 0.08;
   const auto channel = [&](double offset) {
-    // lighter and softer than the pure hues, so that strokes are seen on a dark frame
+    // lighter and softer than the pure hues, so that strokes are visible on a dark frame
     const double wave = 0.5 + 0.5 * std::cos(2 * std::numbers::pi * (turn - offset));
     return static_cast<unsigned char>(std::lround(255 * std::clamp(0.22 + lift + 0.78 * wave, 0.0, 1.0)));
   };
@@ -138,7 +138,7 @@ cv::Mat enlarge(const cv::Mat& frame, double scale) {
   };
   const cv::Size size(even(frame.cols), even(frame.rows));
   cv::Mat large;
-  if (scale == 1)  // an odd side gets its last line twice instead of being resampled
+  if (scale == 1)  // an odd side repeats its last line instead of being resampled
     cv::copyMakeBorder(frame, large, 0, size.height - frame.rows, 0, size.width - frame.cols,
                        cv::BORDER_REPLICATE);
   else
@@ -199,7 +199,7 @@ double mark_opacity(double probability) {
 }
 
 double mark_radius(std::size_t shown) {
-  constexpr double kMost = 13, kLeast = 6, kRoom = 25;  // so many marks of full size a picture holds
+  constexpr double kMost = 13, kLeast = 6, kRoom = 25;  // number of full-size marks that fit in a picture
   return std::clamp(kMost * std::sqrt(kRoom / std::max(1.0, double(shown))), kLeast, kMost);
 }
 

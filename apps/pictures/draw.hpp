@@ -15,12 +15,12 @@
 
 namespace emberfold::apps {
 
-/// A colour of 8 bits a channel.
+/// A colour of 8 bits per channel.
 struct Colour {
   unsigned char red = 0, green = 0, blue = 0;
   bool operator==(const Colour&) const = default;
 };
-/// The colours of text and paper in drawn tables and plots, BGR.
+/// Colours of text and background in drawn tables and plots, BGR.
 inline const cv::Scalar kInk(60, 52, 48), kPaper(250, 248, 246);
 
 /// The usual size of text, as a factor of OpenCV's Hershey font.
@@ -44,7 +44,7 @@ Colour stroke_colour(std::uint32_t identity);
 
 /// Converts a frame to CV_8UC3.
 cv::Mat to_colour_bytes(const cv::Mat& frame, const core::ClipInfo& info);
-/// Returns the same of levels (CV_32F, white = 255).
+/// Converts levels (CV_32F, white = 255) to CV_8UC3.
 cv::Mat to_colour_bytes(const cv::Mat& levels);
 
 /// Returns the factor (≥ 1) that brings the shorter side to `shorter_side` px and keeps the longer within
@@ -76,10 +76,10 @@ void draw_mark(cv::Mat& picture, cv::Point2d centre, graph::EventType type, doub
 /// Returns the opacity of an event's mark: 1 at probability 1, 0.3 at one half.
 double mark_opacity(double probability);
 
-/// Returns the radius of marks, px, which falls with how many are shown at once.
+/// Returns the radius of marks, px; it decreases with the number shown at once.
 double mark_radius(std::size_t shown);
 
-/// One entry of a legend: an event's mark, or a stroke of its colour.
+/// One entry of a legend: an event's mark, or a stroke in its colour.
 struct LegendItem {
   std::string label;
   Colour colour;
@@ -87,10 +87,11 @@ struct LegendItem {
 };
 /// Lists the six marks.
 std::vector<LegendItem> event_legend();
-/// Draws a light strip of the given width with `text` and items, of an even height in pixels.
+/// Draws a light strip of the given width with `text` and items; its height is even, in pixels.
 cv::Mat draw_legend(int width, const std::string& text, const std::vector<LegendItem>& items);
 
-/// Writes "frame 00031", of one width for all frames, so that a legend breaks its lines at the same places.
+/// Returns "frame 00031", of constant width, so that a legend breaks its lines at the same places in all
+/// frames.
 std::string frame_label(int frame);
 
 }  // namespace emberfold::apps

@@ -20,7 +20,7 @@ namespace {
 constexpr int kMargin = 16, kHead = 40, kLongestName = 24;
 const cv::Scalar kGrid(215, 212, 208);
 
-// Replaces characters that the font lacks: it has ASCII only.
+// Replaces characters that the font, which has ASCII only, lacks.
 std::string ascii_text(const std::string& name) {
   std::string text;
   for (const char c : name)
@@ -28,7 +28,7 @@ std::string ascii_text(const std::string& name) {
   return text.size() > kLongestName ? text.substr(0, kLongestName - 2) + ".." : text;
 }
 
-// Returns the colour of a share 0…1, from paper over green to deep blue; lightness falls all the way.
+// Returns the colour of a share 0…1, from paper over green to deep blue; lightness decreases monotonically.
 cv::Vec3b cell_colour(double share) {
   static const std::array<cv::Vec3d, 5> kStops = {cv::Vec3d(246, 249, 247), cv::Vec3d(196, 219, 161),
                                                   cv::Vec3d(183, 168, 67), cv::Vec3d(158, 102, 34),
@@ -38,7 +38,7 @@ cv::Vec3b cell_colour(double share) {
   return kStops[below] + (kStops[below + 1] - kStops[below]) * (at - static_cast<double>(below));
 }
 
-// Writes the number as long as there is room for; empty where there is none.
+// Writes the number with the digits that fit; empty where none fit.
 std::string cell_text(double value, bool whole, int room) {
   for (int shorter = 0; shorter < 3; ++shorter) {
     std::ostringstream text;

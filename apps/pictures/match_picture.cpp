@@ -34,7 +34,7 @@ cv::Mat draw_half(const cv::Mat& frame, const graph::AttributeGraph& graph,
   const double radius = mark_radius(events.size());
   for (const auto& event : events) {
     using enum graph::EventType;
-    if (event.type == (is_before ? birth : death)) continue;  // there is nothing of it in this frame
+    if (event.type == (is_before ? birth : death)) continue;  // the stroke is absent in this frame
     draw_mark(picture, place(event.position), event.type, radius);
   }
   cv::Mat head(kTitle, picture.cols, CV_8UC3, cv::Scalar(246, 248, 250)), whole;

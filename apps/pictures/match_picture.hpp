@@ -12,16 +12,16 @@
 
 namespace emberfold::apps {
 
-/// Returns the frames t with most events between t − 1 and t, ascending: at most `count`, no two neighbours,
-/// of equals the earlier.
+/// Returns the frames t with most events between t − 1 and t, ascending: at most `count`, no two adjacent; of
+/// ties the earlier.
 std::vector<int> eventful_gaps(std::span<const graph::Event> events, std::size_t count);
 
-/// For each vertex of frames t − 1 and t the number of its cluster of linked strokes, from 1 in order of
-/// appearance in t − 1; 0 where its stroke has no link.
+/// Holds for each vertex of frames t − 1 and t the number of its cluster of linked strokes, from 1 in order
+/// of appearance in t − 1; 0 for a stroke without links.
 struct GapClusters {
   std::vector<std::uint32_t> before, after;
 };
-/// Finds the clusters of strokes that links between frames t − 1 and t join.
+/// Finds the clusters of strokes joined by links between frames t − 1 and t.
 GapClusters gap_clusters(const graph::MotionGraph& motion, int t);
 
 /// Draws frames t − 1 and t (CV_8UC3) side by side with their graphs. Matched strokes share a colour, others

@@ -12,10 +12,10 @@
 
 namespace emberfold::apps {
 
-/// Holds the settings by which graphs are drawn on frames.
+/// Holds the settings for drawing graphs on frames.
 struct OverlayOptions {
   int shorter_side = 480;    ///< px, ≥ 16: smaller frames are enlarged to this
-  int flash_frames = 6;      ///< ≥ 1: how many frames an event's mark stays, fading
+  int flash_frames = 6;      ///< ≥ 1: frames for which an event's mark is shown, fading
   double brightness = 0.78;  ///< of the frame under the drawing, (0, 1]
 };
 
@@ -26,7 +26,7 @@ cv::Mat draw_sketch(const cv::Mat& frame, const graph::AttributeGraph& graph,
 
 /// Draws one picture of the overlay video: the graph, marks of recent events and a legend. Marks are drawn
 /// for events of probability 0.5 or more, more opaque with higher probability, and fade over flash_frames.
-/// `events`: of the whole clip, ordered by frame. The size depends on the frame's size alone.
+/// `events`: of the whole clip, ordered by frame. The size depends only on the frame's size.
 cv::Mat draw_overlay(const cv::Mat& frame, const graph::AttributeGraph& graph, int frame_number,
                      std::span<const graph::Event> events, const OverlayOptions& options = {});
 
@@ -34,7 +34,7 @@ cv::Mat draw_overlay(const cv::Mat& frame, const graph::AttributeGraph& graph, i
 cv::Mat draw_types(const cv::Mat& frame, const graph::AttributeGraph& graph, int frame_number,
                    const OverlayOptions& options = {});
 
-/// Draws the same without a legend; lists the legend's entries.
+/// Draws the curves of draw_types() without a legend, and lists the legend's entries.
 cv::Mat draw_type_curves(const cv::Mat& frame, const graph::AttributeGraph& graph,
                          const OverlayOptions& options = {});
 std::vector<LegendItem> type_legend();

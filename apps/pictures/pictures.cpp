@@ -20,7 +20,7 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr std::size_t kMeasuredFrames = 24;  // reconstructed for the figures where not all frames are
+constexpr std::size_t kMeasuredFrames = 24;  // reconstructed for the figures unless all frames are
 
 // The frames of each kind of picture, chosen before the clip is read.
 struct Plan {
@@ -95,7 +95,7 @@ std::string match_name(int t) {
   return "matches/match_" + padded(t - 1) + "_" + padded(t) + ".png";
 }
 
-// Collects and writes what was drawn, in the order of frames.
+// Collects and writes the drawn pictures, in the order of frames.
 class Collector {
  public:
   Collector(const graph::MotionGraph& motion, std::span<const graph::Event> events, const Plan& plan,

@@ -25,16 +25,16 @@ struct PictureOptions {
   bool reconstruction = false;  ///< reconstruct every frame and write reconstruction.avi
 };
 
-/// The results of the second reading of a clip.
+/// The results of the second pass over a clip.
 struct Pictures {
   ReportInput report;               ///< only its pictures are set
-  std::vector<double> share, psnr;  ///< of the frames that were reconstructed
-  pipeline::GainTotals gains;       ///< of these frames' patches
+  std::vector<double> share, psnr;  ///< of the reconstructed frames
+  pipeline::GainTotals gains;       ///< of the patches of these frames
   int not_converged = 0;
   cv::Mat mean;  ///< of all frames, CV_8UC3
 };
 
-/// Writes overlay.mp4, matches/ and, where asked for, reconstruction.avi, and makes the report's pictures.
+/// Writes overlay.mp4, matches/ and, on request, reconstruction.avi, and makes the report's pictures.
 /// `events` are ordered by frame.
 Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
                        std::span<const graph::Event> events, const PictureOptions& options,

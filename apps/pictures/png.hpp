@@ -12,7 +12,7 @@ namespace emberfold::apps {
 
 /// Writes a picture as PNG into a folder of results. Throws core::IoError.
 void write_png(io::OutputFolder& output, const std::string& name, const cv::Mat& picture);
-/// Writes a picture as PNG into a file and gives it its name. Throws core::IoError.
+/// Writes a picture as PNG into a staged file, and commits it. Throws core::IoError.
 void write_png(io::StagedFile& file, const cv::Mat& picture);
 
 }  // namespace emberfold::apps

@@ -9,8 +9,8 @@
 
 namespace emberfold::apps {
 
-/// Draws where each pixel of a quilt comes from, CV_8UC3. Hue is the source's x, lightness its y, saturation
-/// the source. Pieces copied verbatim appear as even slopes.
+/// Draws the source of each pixel of a quilt, CV_8UC3. Hue is the source's x, lightness its y, saturation the
+/// clip. Pieces copied verbatim appear as smooth gradients.
 cv::Mat draw_quilt_map(const dytex::QuiltMap& map, std::span<const cv::Size> sources);
 
 /// Draws the seams on a dimmed frame (CV_8UC3).

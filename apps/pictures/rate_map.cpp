@@ -24,7 +24,7 @@ void draw_dot(cv::Mat& picture, cv::Point2d at) {
              kFixedPoint);
 }
 
-// Returns how opaque the colour of a share is.
+// Returns the opacity of the colour for a share.
 double opacity(double share) {
   return 0.85 * std::pow(std::min(std::abs(share), 1.0), 0.7);
 }
@@ -122,7 +122,7 @@ cv::Mat1f smooth_map(const mcmc::CellMap& map, cv::Size frame, double scale) {
   if (map.values.empty()) return cv::Mat1f(size, 0.0F);
   cv::Mat1f grid(map.rows, map.columns), field;
   std::ranges::transform(map.values, grid.begin(), [](double v) { return static_cast<float>(v); });
-  // a picture's pixel to the cells: edges of frame, picture and first cell fall together
+  // a picture's pixel to the cells: the edges of frame, picture and first cell coincide
   const double step = 1 / (scale * map.cell), shift = 0.5 * step - 0.5;
   const cv::Matx23d to_cells(step, 0, shift, 0, step, shift);
   cv::warpAffine(grid, field, to_cells, size, cv::INTER_CUBIC | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);

@@ -17,7 +17,7 @@ constexpr int kLabel = 28, kGap = 6, kLeastHeight = 240, kMostWidth = 3840, kCod
 
 int panel_height(std::span<const cv::Size> sizes) {
   int tallest = 1;
-  double shape = 0;  // of all beside each other, width over height
+  double shape = 0;  // of the row, width over height
   for (const auto& size : sizes) {
     tallest = std::max(tallest, size.height);
     shape += static_cast<double>(size.width) / size.height;
@@ -28,7 +28,7 @@ int panel_height(std::span<const cv::Size> sizes) {
       std::max(1.0, std::min(hard, std::max<double>(kLeastHeight, std::min<double>(tallest, room)))));
 }
 
-// Shortens a label with dots to the width.
+// Truncates a label with dots to the width.
 std::string fit_label(const std::string& label, int width) {
   const auto fits = [&](const std::string& text) { return text_width(text, 0.5) + 8 <= width; };
   if (fits(label)) return label;

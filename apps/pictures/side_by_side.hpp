@@ -13,13 +13,13 @@
 
 namespace emberfold::apps {
 
-/// Lays out pictures beside each other under labels, each at least 240 px high. Larger ones keep their size
-/// as long as the row is at most 3840 px wide.
+/// Lays out pictures side by side under labels, each at least 240 px high. Larger ones keep their size while
+/// the row is at most 3840 px wide.
 class PanelRow {
  public:
-  /// Lays out pictures of these sizes.
+  /// Computes the layout for pictures of these sizes.
   explicit PanelRow(std::span<const cv::Size> sizes);
-  /// Composes pictures (CV_8UC1 or CV_8UC3) and a label for each into CV_8UC3; long labels are cut.
+  /// Composes pictures (CV_8UC1 or CV_8UC3) and a label for each into CV_8UC3; long labels are truncated.
   [[nodiscard]] cv::Mat compose(std::span<const cv::Mat> pictures, std::span<const std::string> labels) const;
   [[nodiscard]] cv::Size size() const { return size_; }
 
@@ -34,7 +34,7 @@ class PanelRow {
 cv::Mat compose_rows(std::span<const cv::Mat> pictures, std::span<const std::string> labels,
                      std::size_t most);
 
-/// Writes a video of clips beside each other.
+/// Writes a video of clips side by side.
 class SideBySide {
  public:
   /// Opens the video. `sizes`: frame sizes, one for each label.

@@ -25,7 +25,7 @@ constexpr int kLine = 22;
 constexpr double kOfMap = 0.6;  // opacity of the map over the frame
 const cv::Scalar kCarried(40, 130, 255), kHiding(200, 60, 200), kTurning(255, 255, 255);
 
-/// The colour of a frame of the clip: dark and blue at its beginning, yellow at its end.
+/// Returns the colour of a frame of the clip: from dark blue at its beginning to yellow at its end.
 cv::Vec3b colour_of_time(double share) {
   static const cv::Mat colours = [] {
     cv::Mat1b levels(1, 256);
@@ -135,7 +135,8 @@ cv::Mat SourceMap::draw_map(const cv::Mat& frame, const pipeline::FrameSources& 
   return grey;
 }
 
-/// The share of what moves that each of the clip's frames (upwards) fills in the new clip's (to the right).
+/// Returns the share of the moving area that each frame of the clip (upwards) fills in each new frame (to the
+/// right).
 cv::Mat1f SourceMap::shown_areas() const {
   const int columns = static_cast<int>(shown_.size());
   cv::Mat1f area(clip_frames_, columns, 0.F);
@@ -148,7 +149,7 @@ cv::Mat1f SourceMap::shown_areas() const {
   return area;
 }
 
-/// Draws that, and the shares of all kinds of sources.
+/// Draws shown_areas(), and the shares of all kinds of sources.
 cv::Mat SourceMap::draw_times(int width) const {
   cv::Mat picture(kTimesHeight + 3 * kLine + 2 * kLine, width, CV_8UC3, kPaper);
   const int plot_width = width - 2 * kMargin;
@@ -158,7 +159,7 @@ cv::Mat SourceMap::draw_times(int width) const {
              {kMargin, kLine - 6});
   cv::Mat area = shown_areas();
   cv::Mat1f large;
-  // Thin lines stay visible when many frames become few pixels.
+  // Thin lines stay visible when many frames share a pixel.
   if (area.rows > kTimesHeight) cv::dilate(area, area, cv::Mat(area.rows / kTimesHeight + 1, 1, CV_8U, 1));
   cv::resize(area, large, {plot_width, kTimesHeight}, 0, 0, cv::INTER_NEAREST);
   for (int y = 0; y < large.rows; ++y)

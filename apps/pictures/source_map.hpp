@@ -11,21 +11,21 @@
 
 namespace emberfold::apps {
 
-/// Draws where in its clip the pixels of a new clip come from: six frames, each over its map, the clip's
-/// frames by the time at which they are shown, and the shares of all kinds of sources.
+/// Draws the sources in its clip of a new clip's pixels: six frames, each over its map, the clip's frames
+/// against the time at which they are shown, and the shares of all kinds of sources.
 class SourceMap {
  public:
-  /// `frames`: of the new clip; `clip_frames`: of the clip that it is made of.
+  /// `frames`: number in the new clip; `clip_frames`: number in the source clip.
   SourceMap(int frames, int clip_frames);
 
-  /// Returns whether the next frame is one of up to 400 that are looked at; pass() or add() it.
+  /// Returns whether the next frame is one of up to 400 that are sampled; then call add(), otherwise pass().
   [[nodiscard]] bool wants_next() const;
   void pass() { ++next_; }
-  /// Takes the next frame, CV_8U, and its sources.
+  /// Adds the next frame, CV_8U, and its sources.
   void add(const cv::Mat& frame, const pipeline::FrameSources& sources);
   /// Returns the picture, CV_8UC3, of at least one frame.
   [[nodiscard]] cv::Mat draw() const;
-  /// Returns the share of all frames' areas that is of each kind (pipeline::SourceKind).
+  /// Returns the share of each kind (pipeline::SourceKind) in the area of all frames.
   [[nodiscard]] std::array<double, pipeline::kSourceKinds> shares() const;
 
  private:
@@ -40,11 +40,11 @@ class SourceMap {
   };
   int frames_, clip_frames_, step_, next_ = 0;
   std::vector<Moment> moments_;
-  std::vector<std::vector<int>> shown_;  // cells by frame of the clip, of each frame that was taken
+  std::vector<std::vector<int>> shown_;  // cells by frame of the clip, for each sampled frame
   std::array<double, pipeline::kSourceKinds> kinds_{};
 };
 
-/// Names the kinds of sources, in summary.json and in words.
+/// Returns the name of a kind of source, for summary.json and messages.
 std::string name(pipeline::SourceKind kind);
 
 }  // namespace emberfold::apps

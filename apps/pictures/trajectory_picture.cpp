@@ -25,7 +25,7 @@ const cv::Rect kSpaceTime(16, 40, 720, 540);
 const std::array<cv::Rect, 2> kCourses{cv::Rect(800, 40, 580, 240), cv::Rect(800, 330, 580, 240)};
 const cv::Scalar kFrameInk(206, 200, 196);
 
-/// The middle of a stroke, frame after frame.
+/// The centre of a stroke, by frame.
 struct StrokeCourse {
   int first = 0;
   std::vector<graph::Point> middles;
@@ -49,7 +49,7 @@ StrokeCourses stroke_courses(const graph::MotionGraph& motion) {
   return courses;
 }
 
-// How far the middle strays from its mean, px.
+// Returns the spread of the centre about its mean, px.
 double spread_of(const StrokeCourse& course) {
   graph::Point sum;
   double squares = 0;
@@ -58,7 +58,7 @@ double spread_of(const StrokeCourse& course) {
   return std::sqrt(std::max(0.0, share * squares - share * share * graph::dot(sum, sum)));
 }
 
-// The strokes that last longest; what hardly moves counts less.
+// Returns the strokes that live longest; those that hardly move count less.
 std::set<std::uint32_t> telling_strokes(const StrokeCourses& courses, std::size_t most) {
   constexpr double kMoves = 2;  // px
   std::vector<std::pair<double, std::uint32_t>> ranks;
@@ -81,7 +81,7 @@ bool is_shown(const graph::Event& event, const std::set<std::uint32_t>& strokes)
 }
 
 cv::Scalar bgr_of(std::uint32_t stroke) {
-  const Colour colour = stroke_colour(stroke);  // made for dark frames: darker on paper
+  const Colour colour = stroke_colour(stroke);  // designed for dark frames: darkened on paper
   return {0.78 * colour.blue, 0.78 * colour.green, 0.78 * colour.red};
 }
 
@@ -94,7 +94,7 @@ void draw_course(cv::Mat& picture, const std::vector<cv::Point2d>& points, const
   cv::polylines(picture, at, false, colour, 1, cv::LINE_AA, kShift);
 }
 
-/// Looks at space and time from the side: x goes into depth, y down, time to the right.
+/// Projects space and time from the side: x is depth, y down, time to the right.
 class SpaceTimeView {
  public:
   SpaceTimeView(int width, int height, std::size_t frames) : width_(width), height_(height) {
@@ -112,7 +112,7 @@ class SpaceTimeView {
   }
   [[nodiscard]] double last() const { return last_; }
 
-  /// Draws the edges of the box that all frames fill; those behind first, those in front with `front`.
+  /// Draws the edges of the box that all frames fill: those in the back, or with `front` those in front.
   void draw_box(cv::Mat& picture, bool front) const {
     const double w = width_, h = height_;
     const auto edge = [&](graph::Point a, double s, graph::Point b, double t) {
@@ -158,7 +158,7 @@ void draw_space_time(cv::Mat& picture, const graph::MotionGraph& motion, const S
              {kSpaceTime.x, 24});
 }
 
-/// Places values against time in a box.
+/// Plots values against time in a box.
 struct CoursePlot {
   cv::Rect box;
   double frames = 1, size = 1;

@@ -131,7 +131,7 @@ struct Named {
   double low, high;  // of black and white
 };
 
-// Returns the field first, then the further planes of an array.
+// Returns the field first, then the other planes of an array.
 std::vector<cv::Mat> fields_of(const Named& named, const ControlRequest& request, cv::Size size) {
   if (named.text.empty()) return {};
   if (const auto value = parse_one_number(named.text)) return {cv::Mat(size, CV_32F, cv::Scalar(*value))};

@@ -5,7 +5,7 @@
 
 namespace emberfold::apps {
 
-/// Makes a number of many, in order, that tells what a checkpoint belongs to (FNV-1a, by whole numbers).
+/// Hashes a sequence of whole numbers (FNV-1a) to identify what a checkpoint belongs to.
 struct Fingerprint {
   std::uint64_t sum = 1469598103934665603ULL;
   void add(std::uint64_t value) { sum = (sum ^ value) * 1099511628211ULL; }

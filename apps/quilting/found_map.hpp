@@ -13,23 +13,23 @@
 
 namespace emberfold::apps {
 
-/// The map of a quilt, and what is known of how it was found.
+/// The map of a quilt, and how it was found.
 struct FoundMap {
   dytex::QuiltMap map;
-  std::optional<dytex::QuiltResult> result;  ///< where it was sought for a plane
-  std::optional<SurfaceFound> surface;       ///< where it is sought for a surface
+  std::optional<dytex::QuiltResult> result;  ///< of a search for a plane
+  std::optional<SurfaceFound> surface;       ///< of a search for a surface
 };
 
-/// Seeks the map of a plane, or of found.surface. Blocks placed are kept in `checkpoint`. Throws
+/// Searches for the map of a plane, or of found.surface. Placed blocks are stored in `checkpoint`. Throws
 /// core::Cancelled.
 void seek_map(FoundMap& found, const QuiltClips& clips, const QuiltRequest& request,
               const std::filesystem::path& checkpoint, Session& session);
 
-/// Reads a map whose places lie in clips of these sizes. Throws core::IoError or core::InputError with its
+/// Reads a map whose places are in clips of these sizes. Throws core::IoError or core::InputError with its
 /// name.
 dytex::QuiltMap read_map(const std::string& name, const std::vector<cv::Size>& sizes);
 
-/// Writes the figures of a map for summary.json; how visible seams are only for clips that are loaded.
+/// Writes the figures of a map for summary.json; the visibility of seams only for loaded clips.
 nlohmann::ordered_json found_map_json(const FoundMap& found, const QuiltClips& clips);
 
 }  // namespace emberfold::apps

@@ -19,7 +19,7 @@ namespace emberfold::apps {
 
 namespace {
 
-/// Passes on another source's frames.
+/// Forwards another source's frames.
 class SameSource final : public core::FrameSource {
  public:
   explicit SameSource(core::FrameSource& source) : source_(source) {}
@@ -91,7 +91,7 @@ std::vector<cv::Mat> frames_of(const dytex::Trajectories& source, int first, int
   return dytex::render_quilt(whole, sources, {}, first, count);
 }
 
-// Returns the luma, averaged over time and blurred by a few pixels, that a guide is compared with.
+// Returns the luma, averaged over time and blurred by a few pixels, to compare with a guide.
 cv::Mat mean_luma(const dytex::Trajectories& source) {
   cv::Mat sum = cv::Mat::zeros(source.size(), CV_32F);
   for (int t = 0; t < source.frames(); t += source.chunk_frames())

@@ -13,7 +13,7 @@
 
 namespace emberfold::apps {
 
-/// Opens the clips of a quilt, flattened where the request says so.
+/// Opens the clips of a quilt, flattened on request.
 class QuiltClips {
  public:
   QuiltClips(const QuiltRequest& request, const io::ReadOptions& read, Session& session);
@@ -22,7 +22,7 @@ class QuiltClips {
   [[nodiscard]] std::vector<cv::Size> sizes() const;
   [[nodiscard]] const core::ClipInfo& info() const { return shown_.front()->info(); }
 
-  /// Reads them whole, into a file in `folder` where they exceed the request's memory. Throws
+  /// Loads the whole clips, into a file in `folder` where they exceed the request's memory. Throws
   /// core::Cancelled.
   void load(const std::filesystem::path& folder, Session& session);
   [[nodiscard]] std::vector<const dytex::Trajectories*> loaded() const;
@@ -39,7 +39,8 @@ class QuiltClips {
 /// Returns a frame of a loaded clip.
 cv::Mat frame_of(const dytex::Trajectories& source, int frame);
 
-/// Joins loaded clips with their masks; sets `guide` where the request has one, in the levels of the source.
+/// Joins loaded clips with their masks; sets `guide` where the request has one, with the levels of the
+/// source.
 std::vector<dytex::QuiltSource> quilt_sources(const QuiltClips& clips, const QuiltRequest& request,
                                               cv::Mat& guide);
 

@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-// Returns whether one frame of the clip suffices: for a single frame of a map without control of time.
+// Returns whether one frame of the clip suffices: for a single frame of a map without time control.
 bool reads_one_frame(const QuiltRequest& request) {
   return !request.apply.empty() && request.frame && request.control.is_plain();
 }
@@ -54,7 +54,7 @@ FramePlan plan_of(const QuiltRequest& request, const QuiltClips& clips) {
   return {0, clips.info().frames.value_or(0), true};
 }
 
-// Says in words that a quilt does not pass for its source.
+// Warns where the quilt visibly differs from its source.
 void warn_of_seams(const QuiltRequest& request, const Json& quilt, Session& session) {
   constexpr double kSeen = 2.5;
   const double ratio = quilt.value("seam_ratio", 1.0);
@@ -104,7 +104,7 @@ void write_pictures(io::OutputFolder& output, const QuiltRequest& request, const
   output.write("report.html", [&](std::ostream& out) { out << page; });
 }
 
-// Returns whether frames can be drawn while the clip is read, since only the clip is written.
+// Returns whether frames can be drawn while reading the clip, since only the clip is written.
 bool can_stream(const QuiltRequest& request, const QuiltTarget& target, const QuiltClips& clips,
                 const dytex::TimeControl& control) {
   const FramePlan plan = plan_of(request, clips);
@@ -113,7 +113,7 @@ bool can_stream(const QuiltRequest& request, const QuiltTarget& target, const Qu
                        static_cast<std::size_t>(request.memory) * 1'000'000);
 }
 
-// All that the request names; a number or a gradient is no file and is passed over.
+// Lists all files that the request names; numbers and gradients are skipped.
 std::vector<std::string> input_names(const QuiltRequest& request) {
   std::vector<std::string> names = request.clips;
   names.insert(names.end(), request.masks.begin(), request.masks.end());
@@ -149,7 +149,7 @@ bool same_bytes(const fs::path& a, const fs::path& b) {
   return first && second && std::equal(Bytes(first), Bytes(), Bytes(second), Bytes());
 }
 
-/// Before the work begins: nothing is replaced but what an earlier quilt left in a folder of its own, and a
+/// Checks before the work begins that nothing is replaced except an earlier quilt in its own folder, and a
 /// copy of the map that is applied.
 void require_replaceable(const QuiltRequest& request, const QuiltTarget& target,
                          const std::vector<io::OutputPath>& outputs) {
@@ -180,7 +180,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
   if (!request.surface.empty()) found.surface.emplace(read_surface(request, session));
   const cv::Size size = request.apply.empty() ? request.quilt.size : found.map.size;
   const auto control = make_control(request.control, size, request.quilt.block, request.quilt.seed);
-  // What may be replaced was checked: an applied map lies beside the clip as it was.
+  // The files that may be replaced were checked: an applied map stays unchanged next to the clip.
   io::OutputFolder output(target.folder, io::Existing::all);
   output.protect(inputs);
   if (!can_stream(request, target, clips, control)) clips.load(target.folder, session);

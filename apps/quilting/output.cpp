@@ -68,7 +68,7 @@ core::NpyArray time_array(const dytex::TimeControl& control, cv::Size size) {
           std::move(values)};
 }
 
-// Writes a file outside of the output folder under another name, then renames it.
+// Writes a file outside the output folder under a temporary name, then renames it.
 void write_array(const fs::path& path, const core::NpyArray& array) {
   const fs::path part = path.string() + ".part";
   std::ofstream out(part, std::ios::binary | std::ios::trunc);
@@ -111,7 +111,7 @@ WrittenClip write_quilt_clip(io::OutputFolder& output, const QuiltTarget& target
   if (!target.single)
     writer = io::create_video(output.staged(target.clip), map.size, info.fps, info.channels == 3);
   const auto take = [&](const cv::Mat& drawn) {
-    cv::Mat frame = drawn;  // PNG holds floats as 16 bits
+    cv::Mat frame = drawn;  // PNG stores floats as 16 bits
     if (info.depth == CV_32F) drawn.convertTo(frame, CV_16U, 65535 / info.white);
     if (writer)
       writer->write(frame);

@@ -14,32 +14,32 @@
 
 namespace emberfold::apps {
 
-/// The place of a quilt: a folder with everything, or a clip's own name with the map beside it.
+/// The output of a quilt: a folder with everything, or a clip file with the map next to it.
 struct QuiltTarget {
   bool whole = true;  ///< a folder with pictures and report
   std::filesystem::path folder;
   std::string clip;     ///< its name in the folder
-  bool single = false;  ///< it is one PNG
+  bool single = false;  ///< a single PNG
   std::filesystem::path checkpoint;
 
   [[nodiscard]] std::filesystem::path path() const { return folder / clip; }
 };
 
-/// Chooses the place. Throws core::IoError where the clip's folder does not exist.
+/// Chooses the output. Throws core::IoError where the clip's folder does not exist.
 QuiltTarget quilt_target(const QuiltRequest& request);
 
 /// Names the clip once its depth and length are known. Throws Misuse where its format cannot hold it.
 void name_clip(QuiltTarget& target, const QuiltRequest& request, const core::ClipInfo& info,
                std::int64_t frames);
 
-/// Tells whether the map that is rendered lies where map.npy would be written; it then stays as it is.
+/// Returns whether the rendered map already is the file map.npy of the output, which then stays unchanged.
 bool keeps_map(const QuiltRequest& request, const QuiltTarget& target);
 
-/// Writes map.npy, or the request's own name for it, and time.npy where times differ from place to place.
+/// Writes map.npy, or the file that the request names, and time.npy where times differ between places.
 void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const QuiltTarget& target,
                      const dytex::QuiltMap& map, const dytex::TimeControl& control);
 
-/// A frame as drawn, CV_8UC3.
+/// A drawn frame, CV_8UC3.
 struct QuiltedFrame {
   int frame = 0;
   cv::Mat picture;
@@ -48,13 +48,13 @@ struct QuiltedFrame {
 /// The frames of the output to draw.
 struct FramePlan {
   std::int64_t first = 0, count = 0;
-  bool to_end = false;  ///< fewer where the clip is shorter than it tells
+  bool to_end = false;  ///< fewer where the clip is shorter than its header says
 };
 
 /// The length of a written clip and some of its frames.
 struct WrittenClip {
   std::int64_t frames = 0;
-  std::vector<QuiltedFrame> some;  ///< the first, the middle and the last one
+  std::vector<QuiltedFrame> some;  ///< the first, the middle and the last
 };
 
 /// Draws and writes the clip. Throws core::Cancelled.

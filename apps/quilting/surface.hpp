@@ -12,26 +12,26 @@
 
 namespace emberfold::apps {
 
-/// A surface that a quilt is laid over, and the quilt once it is.
+/// A surface on which a quilt is laid, and the quilt once it is found.
 struct SurfaceFound {
   dytex::SurfaceLayout layout;
   dytex::SurfaceQuilt quilt{};
 };
 
-/// Reads the request's mesh and lays its texture out; warns of charts without a texel and of texels that show
+/// Reads the request's mesh and lays its texture out; warns of charts without texels and of texels that show
 /// several places. Throws core::IoError or core::InputError with its name.
 SurfaceFound read_surface(const QuiltRequest& request, Session& session);
 
-/// Returns a number that differs between layouts.
+/// Returns a hash that differs between layouts.
 std::string surface_fingerprint(const dytex::SurfaceLayout& layout);
 
-/// Returns a map in which only texels of two blocks do not continue each other.
+/// Returns a map in which only texels of different blocks are discontinuous.
 dytex::QuiltMap block_map(const SurfaceFound& found);
 
-/// Writes what is known of a surface for summary.json.
+/// Returns the description of a surface for summary.json.
 nlohmann::ordered_json surface_json(const std::string& mesh, const dytex::SurfaceLayout& layout);
 
-/// Writes how visible seams and glued edges are, for summary.json.
+/// Returns the visibility of seams and glued edges, for summary.json.
 nlohmann::ordered_json surface_measures_json(const SurfaceFound& found,
                                              std::span<const dytex::Trajectories* const> sources);
 

@@ -24,7 +24,7 @@ void render_held(const dytex::QuiltMap& map, const QuiltClips& clips, const dyte
                  std::int64_t first, std::int64_t count, const std::function<void(const cv::Mat&)>& take,
                  Session& session) {
   const auto held = clips.loaded();
-  // Two batches are in memory: one is drawn, one handed on.
+  // Two batches are in memory: one being drawn, one being handed on.
   const auto batch =
       static_cast<std::int64_t>(std::clamp(96e6 / bytes_of_frame(map.size, held.front()->info()), 1.0,
                                            static_cast<double>(held.front()->chunk_frames())));

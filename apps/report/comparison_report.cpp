@@ -68,7 +68,7 @@ class Table {
     for (const auto& cell : cells) text_ += "<th>" + cell + "</th>";
     text_ += "</tr>\n";
   }
-  /// `best`: the cell to be stressed, `floor`: one that is no competitor; −1: none.
+  /// `best`: index of the highlighted cell, `floor`: of one that does not compete; −1: none.
   void row(const std::string& name, const std::vector<std::string>& cells, int best = -1, int floor = -1) {
     text_ += "<tr><td>" + name + "</td>";
     for (int i = 0; i < static_cast<int>(cells.size()); ++i)
@@ -96,7 +96,7 @@ const Json& at(const Json& holder, std::initializer_list<std::string> path) {
   return *here;
 }
 
-// The index of the best of the competing values, −1 where there are fewer than two.
+// Returns the index of the best competing value, −1 where there are fewer than two.
 int best_of(const std::vector<std::optional<double>>& values, bool more_is_better) {
   int best = -1, count = 0;
   for (int i = 0; i < static_cast<int>(values.size()); ++i) {
@@ -152,7 +152,7 @@ std::string distances_table(const Json& measures) {
   return table.html();
 }
 
-// What a person sees of the clips.
+// Returns the table of the clips' visible differences.
 std::string visible_table(const Json& measures) {
   std::vector<DistanceColumn> columns = distance_columns(measures);
   std::erase_if(columns,
@@ -171,7 +171,7 @@ std::string visible_table(const Json& measures) {
   return table.html();
 }
 
-// Stressed where it is the best of its column.
+// Highlights a cell that is the best of its column.
 std::string prediction_cell(const Json& method, const Json& methods, std::size_t step) {
   const auto& own = method["by_step"]["psnr"][step];
   const auto better = [&](const Json& other) {
@@ -246,7 +246,7 @@ std::string strokes_table(const Json& measures) {
   return table.html();
 }
 
-// Colour of a model, equal in every plot; parts of the source have the source's.
+// Returns the colour of a model, equal in every plot; parts of the source have the source's.
 int colour_of(const Json& measures, const std::string& name) {
   if (name == "other") return 1;
   int colour = 1;
@@ -288,7 +288,7 @@ std::string prediction_plot(const Json& measures) {
   return figure(draw_curves(look), look.title, 120'000, 900);
 }
 
-// Quality against size; of the linear dynamic texture a curve for each size of frame.
+// Plots quality against size; for the linear dynamic texture one curve per frame size.
 std::string size_plot(const Json& points, const char* key, const std::string& title,
                       const std::string& y_label) {
   CurvePlot look{title, "parameters", y_label, {}, true, false};
@@ -363,7 +363,7 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
       "</code></p></header>\n<main>\n";
   const bool pair = measures.contains("other");
   const auto& words = measures["words"];
-  const bool seen = !comparison.sheet.empty() && !words.empty();  // then the first sentence is the verdict
+  const bool seen = !comparison.sheet.empty() && !words.empty();  // the first sentence is then the verdict
   if (seen)
     page += section("<span class=\"verdict\">" + escape_html(words[0].get<std::string>()) + "</span>",
                     "A row for each clip, from its beginning to its end: contact_sheet.png.",

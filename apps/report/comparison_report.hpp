@@ -9,8 +9,8 @@
 
 namespace emberfold::apps {
 
-/// One HTML page that needs nothing else: what the measures say in words, moments of all clips, tables of
-/// distances, prediction and strokes, plots. `summary` as in summary.json.
+/// Returns one self-contained HTML page: the measures in words, moments of all clips, tables of distances,
+/// prediction and strokes, plots. `summary` as in summary.json.
 std::string make_comparison_report(const Comparison& comparison, const nlohmann::ordered_json& summary);
 
 }  // namespace emberfold::apps

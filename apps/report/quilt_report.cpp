@@ -33,7 +33,7 @@ std::string side_by_side_html(const std::string& left, const std::string& right)
   return "<div class=\"pair\">" + left + right + "</div>\n";
 }
 
-/// Says first whether the quilt is one that passes for its source.
+/// Returns the opening sentence: whether the quilt visibly differs from its source.
 std::string verdict(const Json& quilt) {
   const double seams = quilt.value("seam_ratio", 0.0), piece = quilt.value("largest_piece", 0.0),
                shown = quilt.value("source_share", 0.0);

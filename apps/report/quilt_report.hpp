@@ -9,7 +9,7 @@
 
 namespace emberfold::apps {
 
-/// A frame of the source and the same frame of the quilt, CV_8UC3.
+/// A frame of the source and the corresponding frame of the quilt, CV_8UC3.
 struct QuiltPair {
   int frame = 0;
   cv::Mat source, quilt;
@@ -21,7 +21,7 @@ struct QuiltPictures {
   cv::Mat map, seams;  ///< CV_8UC3
 };
 
-/// Returns one self-contained HTML page of some megabytes at most. `summary`: the content of summary.json.
+/// Returns one self-contained HTML page of a few megabytes at most. `summary`: the content of summary.json.
 std::string make_quilt_report(const std::string& clip, const QuiltPictures& pictures,
                               const nlohmann::ordered_json& summary);
 

@@ -30,7 +30,7 @@ Json event_classes_json() {
   return list;
 }
 
-// Returns the last part of a path, or the whole name where it is no path.
+// Returns the last part of a path, or the whole name if it is no path.
 std::string title_of(std::string clip) {
   while (clip.size() > 1 && clip.back() == '/') clip.pop_back();
   const auto slash = clip.find_last_of('/');
@@ -58,7 +58,7 @@ std::string embed_json(const Json& value) {
   const std::string plain = value.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string out;
   out.reserve(plain.size());
-  for (const char c : plain) {  // these stand in strings only, where the escape means the same
+  for (const char c : plain) {  // these occur only in strings, where the escape is equivalent
     if (c == '<')
       out += "\\u003c";
     else if (c == '>')
@@ -74,7 +74,7 @@ std::string embed_json(const Json& value) {
 std::string make_report(const ReportInput& input, const Json& summary) {
   const auto& motion = *input.motion;
   Json figures = summary;
-  figures.erase("per_frame");  // report_series has it, bounded
+  figures.erase("per_frame");  // report_series contains it, bounded
   Json data = {{"clip",
                 {{"name", input.clip},
                  {"width", motion.sketch.width},
@@ -127,7 +127,7 @@ std::string make_report(const ReportInput& input, const Json& summary) {
     data["sampler"] = report_sampler(*input.sampled, input.rates);
     data["sampler"]["probabilities"] = report_probabilities(input.all_events);
   }
-  // the name may hold bytes that are no UTF-8: once through JSON they are replaced
+  // The name may contain bytes that are not UTF-8; a pass through JSON replaces them.
   const auto title =
       Json::parse(Json(title_of(input.clip)).dump(-1, ' ', false, Json::error_handler_t::replace));
   return fill_in(kReportTemplate, {{"title", escape_html(title.get<std::string>())},

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-// The files of apps/report/, put into the program when it is built (cmake/embed_files.cmake).
+// The files of apps/report/, embedded into the program by the build (cmake/embed_files.cmake).
 namespace emberfold::apps {
 extern const std::string_view kReportTemplate, kReportStyle, kReportScript;
 }  // namespace emberfold::apps

@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr std::size_t kEventBytes = 800'000, kCurveBytes = 550'000, kPathPoints = 20'000;
 
-// Rounds to a tenth of a pixel, in clips wider than 600 px to whole ones: finer than a screen shows.
+// Rounds to a tenth of a pixel, in clips wider than 600 px to whole ones: finer than a screen resolves.
 Json coordinate_json(double value, int width) {
   if (width > 600) return static_cast<std::int64_t>(std::llround(value));
   return std::round(value * 10) / 10;
@@ -47,7 +47,7 @@ double box_diagonal(const Path& path) {
   return graph::distance(low, high);
 }
 
-// Orders paths by extent and by duration in turn, since the longest-lived may all stand still.
+// Orders paths alternately by extent and by duration, since the longest-lived may all stand still.
 std::vector<std::size_t> order_by_interest(const std::vector<Path>& paths) {
   std::vector<std::size_t> by_life(paths.size());
   std::iota(by_life.begin(), by_life.end(), std::size_t{0});
@@ -70,7 +70,7 @@ Json choose_paths(const std::vector<Path>& paths, int width, std::size_t least) 
   for (const std::size_t index : order_by_interest(paths)) {
     const auto& path = paths[index];
     if (path.points.size() < least) continue;
-    // a path that exceeds what is left of the budget is cut there
+    // a path that exceeds the remaining budget is truncated
     const std::size_t count = std::min(path.points.size(), kPathPoints - points);
     if (count < least) break;
     Json line = Json::array({path.first});

@@ -29,7 +29,7 @@ Json numbers_json(std::span<const double> values) {
   return out;
 }
 
-// Replaces blocks of cells by their mean until at most kCells are left.
+// Replaces blocks of cells by their mean until at most kCells remain.
 mcmc::CellMap pool_cells(const mcmc::CellMap& map) {
   const std::size_t cells = map.values.size();
   int block = 1;
@@ -82,7 +82,7 @@ Json motion_json(const mcmc::Autoregression& motion) {
   return out;
 }
 
-// Lists the roots of z² = a1 z + a2: the poles of a stroke that moves as a whole.
+// Lists the roots of z² = a1 z + a2: the poles of a stroke's rigid motion.
 Json poles_json(const char* of, const mcmc::Autoregression& motion) {
   const std::complex<double> root = std::sqrt(std::complex<double>(motion.a1 * motion.a1 / 4 + motion.a2));
   Json out = Json::array();
@@ -91,7 +91,7 @@ Json poles_json(const char* of, const mcmc::Autoregression& motion) {
   return out;
 }
 
-// Returns the births expected in a frame; cells at the border count by the part inside.
+// Returns the expected births per frame; border cells count by the part inside.
 double births_a_frame(const mcmc::MotionModel& model) {
   const auto& map = model.rates.birth;
   double sum = 0;
@@ -160,7 +160,7 @@ Json exemplar_json(const mcmc::Exemplar& exemplar, std::size_t& points) {
           {"curves", std::move(curves)}};
 }
 
-// Picks exemplars evenly and leaves out those that are too large for the page.
+// Picks exemplars evenly, except those too large for the page.
 Json exemplars_json(const std::vector<mcmc::Exemplar>& exemplars) {
   std::vector<int> numbers(exemplars.size());
   std::iota(numbers.begin(), numbers.end(), 0);

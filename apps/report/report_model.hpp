@@ -15,11 +15,11 @@
 // Writes models and the clips drawn from them as JSON of bounded size, for the report.
 namespace emberfold::apps {
 
-/// Clips that play in step, side by side in one video.
+/// Clips that play synchronously, side by side in one video.
 struct ReportClips {
   std::vector<std::string> names;  ///< from left to right
   std::vector<unsigned char> mp4;  ///< H.264, at most kClipBytes
-  int width = 0, height = 0;       ///< px, of one clip in it
+  int width = 0, height = 0;       ///< px, of one clip
   int frames = 0;
   double fps = 25;
 };
@@ -39,7 +39,7 @@ struct ReportMeasures {
 nlohmann::ordered_json report_clips(const ReportClips& clips);
 nlohmann::ordered_json report_measures(const ReportMeasures& measures);
 
-/// Writes Θ for the page: coefficients, poles, rates beside the counts of `events`, maps of at most 4000
+/// Writes Θ for the page: coefficients, poles, rates next to the counts of `events`, maps of at most 4000
 /// cells, at most 24 exemplars.
 nlohmann::ordered_json report_motion_model(const mcmc::MotionModel& model,
                                            std::span<const graph::Event> events);

@@ -11,8 +11,8 @@
 namespace emberfold::apps {
 
 /// Returns {"gaps", "balanced", "changes": {change: {"count", "tips", "branches", "components", "loops"}},
-/// "said", "measured"}: how many pairs of neighbouring frames there are, in how many of them the figures of
-/// the network change as the changes say, and the sums of both over the clip.
+/// "said", "measured"}: the number of pairs of neighbouring frames, the number of them in which the network's
+/// figures change as the changes predict, and the sums of both over the clip.
 nlohmann::ordered_json balance_json(const graph::MotionGraph& motion,
                                     std::span<const graph::TopologyChange> changes);
 

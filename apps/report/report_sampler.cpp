@@ -23,7 +23,7 @@ constexpr std::size_t kTraces = 24, kChains = 8, kPoints = 20'000, kNamed = 4;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-// Rounds to four digits; null where there is no number.
+// Rounds to four digits; null for a missing number.
 Json number_json(double value) {
   return std::isfinite(value) ? Json(core::round_significant(value, 4)) : Json(nullptr);
 }
@@ -74,7 +74,7 @@ double draws_of(const TraceDiagnosis& t) {
   return t.found.bulk_ess;
 }
 
-// Keeps the traces whose value is a number: it is none where all draws are equal, or too few.
+// Keeps the traces with a finite value; it is missing where all draws are equal, or too few.
 template <class Value>
 std::vector<TraceDiagnosis> comparable_traces(std::vector<TraceDiagnosis> traces, const Value& value) {
   std::erase_if(traces, [&](const TraceDiagnosis& t) { return std::isnan(value(t)); });

@@ -29,13 +29,13 @@ struct TraceDiagnosis {
 /// Diagnoses every trace of a result without its burn-in.
 std::vector<TraceDiagnosis> diagnose_traces(const mcmc::InferResult& result);
 
-/// The verdict on convergence, as sentences for a reader.
+/// The verdict on convergence, in sentences.
 struct Assurance {
   bool sure = true;
   std::vector<std::string> sentences;
 };
-/// Says which traces have R-hat above 1.05 and which fewer than 100 effective draws, a sentence each, the
-/// worst traces first; else that all is well. Says nothing where no trace can be judged.
+/// Names the traces with R-hat above 1.05 and those with fewer than 100 effective draws, a sentence each, the
+/// worst traces first; otherwise reports convergence. Empty where no trace can be judged.
 Assurance assurance(const std::vector<TraceDiagnosis>& traces);
 
 /// Writes the object `sampler` of summary.json.

@@ -17,7 +17,7 @@ namespace {
 constexpr int kBefore = kStripFrames / 2;
 const cv::Scalar kOutside(70, 66, 64);
 
-/// Cuts the square around a place, at the size of a cell.
+/// Cuts out the square around a place, at the size of a cell.
 cv::Mat cut_cell(const cv::Mat& frame, graph::Point place, int reach) {
   cv::Mat cell(2 * reach + 1, 2 * reach + 1, CV_8UC3, kOutside);
   const cv::Point corner(static_cast<int>(std::lround(std::clamp(place.x, -1e6, 1e6))) - reach,

@@ -21,13 +21,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostBytes = 16'000, kLeastBytes = 4'096;  // of a strip
-constexpr std::size_t kMostOthers = 20'000;                      // events without a strip, the likeliest
+constexpr std::size_t kMostOthers = 20'000;  // likeliest events without a strip that are kept
 
 double doubt(const graph::Event& event) {
   return -std::abs(event.probability - 0.5);
 }
 
-/// The event as review.json has it, counted as the tables count.
+/// Returns the event in the format of review.json, with the numbering of the tables.
 Json event_json(const graph::Event& event, const core::ClipOrigin& origin) {
   constexpr int kDigits = 8;
   return {{"frame", event.frame},
@@ -60,8 +60,8 @@ Json class_list() {
   return list;
 }
 
-/// The events that the page has no picture of, and answers to what is not among the events: they go through
-/// it as they are.
+/// Lists the events without a picture on the page, and answers about events that were not found; the page
+/// passes them on unchanged.
 Json other_events(std::span<const graph::Event> events, const std::vector<bool>& has_strip,
                   std::span<const graph::ReviewedEvent> answers, const std::vector<std::size_t>& said,
                   const core::ClipOrigin& origin) {

@@ -13,15 +13,16 @@
 
 namespace emberfold::apps {
 
-/// Bounds on the page: events with a strip, and bytes of JPEG of all strips; it stays below 8 MB.
+/// Limits of the page: events with a strip, and bytes of JPEG of all strips; it stays below 8 MB.
 constexpr std::size_t kReviewStrips = 400, kReviewBytes = 5'000'000;
 
-/// Chooses the events to look at, as indices in the order in which they are asked about: the nearest to
-/// probability ½ first. Of more than kReviewStrips three quarters are the most doubtful, the rest an even
-/// choice of the others, so that what is held to be sure is looked at too.
+/// Chooses the events to review, as indices in the order of the questions: the nearest to probability ½
+/// first.
+/// Of more than kReviewStrips, three quarters are the most doubtful, the rest an even choice of the others,
+/// so that events held to be certain are checked, too.
 std::vector<std::size_t> choose_for_review(std::span<const graph::Event> events);
 
-/// Returns review.html, a page on which a person answers whether each event happened, by key, and saves
+/// Returns review.html, a page on which a person answers by key whether each event happened, and saves
 /// review.json. `answers`: of an earlier review, shown as given. Reads the clip once. Throws core::Cancelled.
 std::string make_review_page(core::FrameSource& source, const std::string& clip, int frames,
                              std::span<const graph::Event> events,

@@ -8,10 +8,10 @@
 
 namespace emberfold::apps {
 
-/// Returns what summary.json tells of a review: {"yes", "no", "other", "added", "unmatched", "shift",
+/// Returns the results of a review for summary.json: {"yes", "no", "other", "added", "unmatched", "shift",
 /// "slope":
 /// {"strokes", "joints"}, "level", "classes": {class and "all": {"count", "a_frame", "a_second"}}}, each of
-/// the last three {"mean", "low", "high"}, a_second null where the frame rate is not known.
+/// the last three {"mean", "low", "high"}, a_second null where the frame rate is unknown.
 nlohmann::ordered_json review_json(const pipeline::ReviewedClip& reviewed, const graph::Units& units);
 
 }  // namespace emberfold::apps

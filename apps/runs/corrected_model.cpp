@@ -58,7 +58,7 @@ std::string key_of(const pipeline::ClipModel& model) {
   return sum.text();
 }
 
-/// Sets the rates that are kept; false where there are none, or they are of another model.
+/// Sets the stored rates; returns false where there are none, or they belong to another model.
 bool read_rates(const fs::path& folder, const std::string& key, pipeline::ClipModel& model) {
   const auto columns = io::read_columns(folder, key);
   if (!columns || !columns->arrays.contains("rates")) return false;
@@ -83,7 +83,7 @@ void correct_rates_once(pipeline::ClipModel& model, const core::Context& context
   for (const double* value : corrected_numbers(model.motion.rates)) rates.push_back(*value);
   try {
     io::write_columns(*cache / key, {key, {}, {{"rates", {{rates.size()}, false, rates}}}});
-  } catch (const core::IoError&) {  // then it is made again the next time
+  } catch (const core::IoError&) {  // then it is computed again the next time
   }
 }
 

@@ -6,10 +6,10 @@
 
 namespace emberfold::apps {
 
-/// Makes the correction of rates that a model waits for (pipeline::correct_rates), once on this machine: the
-/// rates are kept in emberfold/corrected below $XDG_CACHE_HOME, or ~/.cache, by a hash of the model, and read
-/// there the next time. The model's folder stays as it is. Where nothing can be kept it is made each time.
-/// Throws core::Cancelled.
+/// Applies a model's pending correction of rates (pipeline::correct_rates), once per machine.
+/// The rates are cached in emberfold/corrected below $XDG_CACHE_HOME, or ~/.cache, by a hash of the model,
+/// and read from there later. The model's folder stays unchanged. Where nothing can be cached, they are
+/// computed each time. Throws core::Cancelled.
 void correct_rates_once(pipeline::ClipModel& model, const core::Context& context);
 
 }  // namespace emberfold::apps

@@ -17,17 +17,17 @@ namespace emberfold::apps {
 
 namespace {
 
-// Seconds on the machine on which they were measured, on clips of 230,000 to 920,000 pixels
-// (docs/benchmarks.md). Other machines are as much faster or slower in all as they are in sketching a frame.
-constexpr double kSketchPixel = 0.35e-6, kSketchPatch = 1.4e-4;  // of each frame, for each pixel and patch
+// Seconds on the machine of the measurements, for clips of 230,000 to 920,000 pixels (docs/benchmarks.md).
+// Other machines are assumed to be faster or slower by the same factor as in sketching a frame.
+constexpr double kSketchPixel = 0.35e-6, kSketchPatch = 1.4e-4;  // per frame, for each pixel and patch
 constexpr double kEventsPatch = 3e-4, kBottomUpPatch = 1.1e-4;
 constexpr double kPictures = 0.04, kPicturesPixel = 5e-8, kPicturesPatch = 7e-5;
-// Of a model, in sketched frames: it is learned from clips drawn of it and some frames of the clip, whatever
-// its length.
+// Cost of a model, in sketched frames: it is learned from clips drawn from it and some frames of the clip,
+// whatever its length.
 constexpr double kModel = 140;
-// What a thread more is worth: two of a core share it.
+// Speed-up by one more thread: two share a core.
 constexpr double kFurtherThread = 0.6;
-// MB of memory: of the program, of each pixel of a frame, of each patch in each frame; and of disk.
+// MB of memory: of the program, per pixel of a frame, per patch in each frame; and of disk.
 constexpr double kProgramMb = 170, kPixelMb = 380e-6, kPatchMb = 5e-5;
 constexpr double kPatchDiskMb = 7e-4, kPatchTextMb = 8e-4;
 
@@ -37,11 +37,11 @@ double processor_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// The frames that are sketched lie a quarter into what may be read for that, and before its last quarter:
-// many clips begin in the dark.
+// The two sketched frames are a quarter into the part that may be read, and before its last quarter: many
+// clips begin in the dark.
 constexpr std::int64_t kMostRead = 200;
 
-/// What frames cost, on average.
+/// The average cost of a frame.
 struct FrameCost {
   double seconds = 0, patches = 0;
 };
@@ -108,7 +108,7 @@ std::string words_of(const RunEstimate& estimate, const core::ClipInfo& info) {
                       duration_text(estimate.seconds) + ", " + rounded(estimate.memory_mb) +
                       " MB of memory and " + rounded(estimate.disk_mb) + " MB of disk";
   if (estimate.seconds > kLong && info.width > 400) {
-    constexpr double kQuick = 320;  // px across: what most clips show is seen at this size
+    constexpr double kQuick = 320;  // px across: the contents of most clips are visible at this size
     words += "; --scale " + core::number_text(core::round_significant(kQuick / info.width, 1)) +
              " takes a fraction";
   }

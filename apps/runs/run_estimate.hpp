@@ -11,24 +11,24 @@
 
 namespace emberfold::apps {
 
-/// What an analysis will take on this machine.
+/// The expected cost of an analysis on this machine.
 struct RunEstimate {
   double frames = 0;
   double processor_seconds = 0;
-  double seconds = 0;  ///< with the threads that it may use
+  double seconds = 0;  ///< with the permitted threads
   double memory_mb =
-      0;  ///< that is its own; graphs lie in files, of which the system holds what it has room for
-  double disk_mb = 0;  ///< of its folder
+      0;  ///< of the process itself; graphs are in files that the system caches while memory allows
+  double disk_mb = 0;  ///< of the run's folder
   std::vector<PlannedStage> stages;
 };
 
-/// Sketches two frames of the clip, of its first 200, and tells from the time that takes, their size and
-/// their patches how long all of it will take; about, for frames differ. Nothing where the number of frames
-/// is not known. Rewinds the source. Cost: two sketched frames, and up to 150 read.
+/// Estimates the time and memory of an analysis from two sketched frames, of the clip's first 200.
+/// Uses the time that these take, their size and their patches; approximate, since frames differ. Nothing
+/// where the number of frames is unknown. Rewinds the source. Cost: two sketched frames, and up to 150 read.
 std::optional<RunEstimate> estimate_run(core::FrameSource& source, const AnalyzeOptions& options,
                                         int threads);
 
-/// Returns the estimate in a line; where it is long, with what makes it shorter.
+/// Returns the estimate as one line; if it is long, with options that shorten it.
 std::string words_of(const RunEstimate& estimate, const core::ClipInfo& info);
 
 }  // namespace emberfold::apps

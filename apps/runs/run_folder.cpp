@@ -29,7 +29,7 @@ std::string hash(std::initializer_list<std::string> texts) {
   return sum.text();
 }
 
-/// Returns whether the folder still holds all files that its summary lists; what cannot be read lists none.
+/// Returns whether the folder still holds all files that its summary lists; an unreadable summary lists none.
 bool has_all_files(const fs::path& folder) {
   std::ifstream in(folder / "summary.json");
   const auto summary = nlohmann::json::parse(in, nullptr, false);

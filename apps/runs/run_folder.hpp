@@ -7,24 +7,24 @@
 #include "apps/commands/analysis.hpp"
 #include "pipeline/stages/analysis_stages.hpp"
 
-// A run is a folder that can be gone on with: analyze keeps in it what each stage made.
+// A run is a folder that can be resumed: analyze stores the results of each stage in it.
 namespace emberfold::apps {
 
-/// Hashes of what each stage of a run depends on.
+/// Hashes of everything that each stage of a run depends on.
 struct RunKeys {
   pipeline::StageKeys stages;
-  std::string run;  ///< of all, pictures and report included
+  std::string run;  ///< of everything, including pictures and report
 };
 
-/// Returns the keys of an analysis; nothing for a clip that cannot be told from another, a pipe. `review`:
-/// the file of reviewed events, or empty.
+/// Returns the keys of an analysis; nothing for a clip that cannot be identified, a pipe. `review`: the file
+/// of reviewed events, or empty.
 std::optional<RunKeys> run_keys(const std::string& clip, const std::string& review,
                                 const AnalyzeOptions& options, std::uint64_t seed);
 
-/// Returns whether the folder holds all that a run with this key makes.
+/// Returns whether the folder holds all results of the run with this key.
 bool is_done(const std::string& folder, const std::string& key);
-/// Notes that it does; that it does not yet; or that its events are there, the rest not yet: an interrupted
-/// run that kept nothing else is an earlier result, too.
+/// Marks the run as complete, as incomplete, or as having its events but not yet the rest: an interrupted run
+/// that stored nothing else counts as an earlier result, too.
 void note_done(const std::string& folder, const std::string& key);
 void note_begun(const std::string& folder);
 void note_events(const std::string& folder);

@@ -21,7 +21,7 @@ namespace {
 constexpr int kMargin = 16, kHead = 56, kLabel = 150, kLeastColumns = 3;
 constexpr int kPatch = 96, kPlot = 140, kSmall = 28, kCaption = 20, kGap = 6, kRowGap = 22;
 constexpr int kCellWidth = kPatch + kGap + kPlot, kCellHeight = kCaption + kPatch + kGap + kSmall;
-constexpr double kGrey = 46, kFull = 2.8;  // grey levels of 1; the plot's end
+constexpr double kGrey = 46, kFull = 2.8;  // grey levels per unit; the end of the plot
 const cv::Scalar kFaint(222, 218, 214), kSoft(130, 122, 116);
 const std::array<cv::Scalar, sketch::kMostComponents> kColours = {
     cv::Scalar(190, 110, 30), cv::Scalar(50, 80, 205), cv::Scalar(80, 150, 50), cv::Scalar(170, 70, 150)};

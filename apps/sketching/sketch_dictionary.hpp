@@ -14,29 +14,29 @@
 #include "sketch/dictionary/dictionary.hpp"
 #include "sketch/extract.hpp"
 
-// The dictionary of `emberfold sketch`: learned from the clip, or one learned before.
+// The dictionary of `emberfold sketch`: learned from the clip or earlier.
 namespace emberfold::apps {
 
 /// The request for a dictionary.
 struct DictionaryRequest {
   bool learn = false;
-  std::string folder;  ///< one learned before; empty: none
+  std::string folder;  ///< of an existing dictionary; empty: none
   [[nodiscard]] bool any() const { return learn || !folder.empty(); }
 };
 
 /// A dictionary and the sketches that it was learned from.
 struct SketchDictionary {
   sketch::Dictionary dictionary;
-  std::vector<graph::AttributeGraph> graphs;  ///< the clip's, where it was learned from them; else none
+  std::vector<graph::AttributeGraph> graphs;  ///< of the clip, if it was learned from them; else empty
 
-  /// Returns the sketch of frame t: the one found while learning, else sketches it now.
+  /// Returns the sketch of frame t: from learning if available, otherwise sketched now.
   [[nodiscard]] graph::AttributeGraph graph(int t, const cv::Mat& levels,
                                             const sketch::ExtractOptions& options) const {
     return graphs.empty() ? sketch::extract(levels, options) : graphs.at(static_cast<std::size_t>(t));
   }
 };
 
-/// Reads the dictionary, or learns it from the whole clip; nothing where none is asked for. Throws
+/// Reads the dictionary, or learns it from the whole clip; nothing where none is requested. Throws
 /// core::IoError where the folder holds none, and core::Cancelled.
 std::optional<SketchDictionary> prepare_dictionary(const DictionaryRequest& request,
                                                    core::FrameSource& source,

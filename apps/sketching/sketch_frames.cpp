@@ -23,7 +23,7 @@ struct Made {
   cv::Mat overlay, film;
 };
 
-// The sketch's share of a frame's time, roughly; only for the progress.
+// Returns the approximate share of sketching in a frame's time; only for the progress.
 double sketch_part(const SketchRequest& request) {
   if (request.ground.kind != sketch::FillMethod::diffusion) return 0.02;
   return request.anchors > 0 ? 0.15 : 0.6;
@@ -62,7 +62,7 @@ class SketchVideos {
 
 SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& graph, int t,
                             const SketchRequest& request, const core::Context& context) {
-  constexpr std::uint32_t kStream = 0x66696c6c;  // apart from what else is drawn with the seed
+  constexpr std::uint32_t kStream = 0x66696c6c;  // separate from other draws with the seed
   const auto frame = static_cast<std::uint64_t>(request.first_frame + t);
   core::Rng rng(request.ground.seed,
                 {static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(frame >> 32), kStream});
@@ -107,7 +107,7 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
   FrameProgress progress(session.context, "sketch", info.frames);
   const SketchDictionary* dictionary = request.dictionary;
   sketch::ExtractOptions extract = request.extract;
-  if (dictionary != nullptr && !dictionary->graphs.empty()) extract.steady = false;  // they are already
+  if (dictionary != nullptr && !dictionary->graphs.empty()) extract.steady = false;  // already consistent
   pipeline::stream_steady_frames(
       source, "sketch", extract, session.context, 0,
       [&](int t) {

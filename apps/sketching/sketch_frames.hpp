@@ -24,15 +24,14 @@ namespace emberfold::apps {
 /// The request of `emberfold sketch`.
 struct SketchRequest {
   sketch::ExtractOptions extract = pipeline::kPictureSketch;
-  sketch::NonsketchableFillOptions
-      ground;  ///< its seed is the clip's; every frame draws with a stream of its own
+  sketch::NonsketchableFillOptions ground;  ///< its seed is the clip's; every frame has its own stream
   pipeline::PatchDrawing patches = pipeline::PatchDrawing::fitted;
-  double anchors = 0;                  ///< 0…1: patches and anchors together show this share; 0: no anchors
-  bool film = false;                   ///< film.mp4 and film.png
-  std::optional<int> heat_frame = {};  ///< heat.mp4 of this frame
+  double anchors = 0;  ///< 0…1: share of the frame in patches and anchors together; 0: no anchors
+  bool film = false;   ///< film.mp4 and film.png
+  std::optional<int> heat_frame = {};            ///< heat.mp4 of this frame
   const SketchDictionary* dictionary = nullptr;  ///< needed for learned patches
-  GivenEvidence* evidence = nullptr;             ///< of the curves, in place of what is found
-  std::int64_t first_frame = 0;  ///< where the clip's part begins: streams are keyed by the clip's frame
+  GivenEvidence* evidence = nullptr;             ///< replaces the curves' own evidence
+  std::int64_t first_frame = 0;  ///< start of the clip's part: streams are keyed by the clip's frame
 };
 
 /// The reconstruction of a frame.
@@ -40,12 +39,12 @@ struct SketchedFrame {
   double patch_share = 0, anchor_share = 0;  ///< of the pixels, 0…1
   graph::AttributeGraph graph;               ///< with the anchors
   sketch::Sketchable sketchable;             ///< patches and anchors
-  std::vector<sketch::PatchCode> codes;      ///< of the patches, where there is a dictionary
+  std::vector<sketch::PatchCode> codes;      ///< of the patches, if there is a dictionary
   pipeline::Reconstruction reconstruction;
 };
 
-/// Reconstructs a frame from its graph, to which it adds anchors where asked for. `levels`: CV_32F, white =
-/// 255; `t`: its number in the clip's part. Throws core::Cancelled.
+/// Reconstructs a frame from its graph, with anchors on request. `levels`: CV_32F, white = 255; `t`: its
+/// number in the clip's part. Throws core::Cancelled.
 SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& graph, int t,
                             const SketchRequest& request, const core::Context& context);
 
@@ -53,7 +52,7 @@ SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& 
 struct FrameFigures {
   std::vector<double> patches, patch_share, anchor_share, psnr, regions, histogram_distance;
   int not_converged = 0;
-  int without_room = 0;  ///< frames whose patches alone reach the share asked for with anchors
+  int without_room = 0;  ///< frames whose patches alone reach the requested share
   void add(const SketchedFrame& frame, std::size_t patch_count, const SketchRequest& request);
 };
 
@@ -64,8 +63,8 @@ struct SketchRun {
   CodeFigures codes;
 };
 
-/// Sketches the clip, several frames at once, and writes overlay.mp4, reconstruction.avi and, where asked
-/// for, film.mp4; sketch.jsonl goes to `lines`. Throws core::Cancelled.
+/// Sketches the clip, several frames at once, and writes overlay.mp4, reconstruction.avi and, on request,
+/// film.mp4; sketch.jsonl goes to `lines`. Throws core::Cancelled.
 SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request, std::ostream& lines,
                         io::OutputFolder& output, const Session& session);
 

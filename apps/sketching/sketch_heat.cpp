@@ -23,8 +23,8 @@ namespace emberfold::apps {
 
 namespace {
 
-constexpr double kNear = 0.5;        // grey levels: what no eye tells from rest
-constexpr std::int64_t kBlock = 64;  // steps between two looks at the context
+constexpr double kNear = 0.5;        // grey levels: indistinguishable from the state at rest
+constexpr std::int64_t kBlock = 64;  // steps between two checks of the context
 
 double largest_difference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_INF);
@@ -68,7 +68,7 @@ std::int64_t steps_to_rest(const cv::Mat& mask) {
   cv::distanceTransform(mask == 0, distance, cv::DIST_L2, cv::DIST_MASK_5);
   double most = 0;
   cv::minMaxLoc(distance, nullptr, &most);
-  // The slowest mode of a strip that is 2·most wide decays as exp(−(π / (2·most))² t).
+  // The slowest mode of a strip 2·most wide decays as exp(−(π / (2·most))² t).
   const double rate = std::pow(std::numbers::pi / (2 * std::max(most, 1.0)), 2);
   return static_cast<std::int64_t>(
       std::ceil(std::log(kOpenLevel / kNear) / rate / sketch::HeatFlow::kLargestStep));
@@ -84,7 +84,7 @@ bool run_heat(const sketch::Sketchable& held, const cv::Scalar& empty, const ske
   const double values = static_cast<double>(begin.total()) * begin.channels();
   const auto most = std::max<std::int64_t>(1, std::llround(options.most_work / values));
   const auto planned = heat_steps(std::min(most, steps_to_rest(held.mask)), options.moments - 1);
-  // Beyond the planned steps it goes on in the same ratio.
+  // Beyond the planned steps it continues with the same ratio.
   const auto& from = planned[planned.size() - 2];
   const double ratio =
       std::max(1.01, static_cast<double>(planned.back()) / std::max<double>(1, double(from)));
@@ -114,8 +114,8 @@ void write_heat_film(core::FrameSource& source, const SketchRequest& request, co
                      io::OutputFolder& output, Session& session) {
   session.context.report("heat", 0);
   const int t = *request.heat_frame;
-  constexpr double kRate = 24;           // pictures a second
-  constexpr int kBegin = 12, kEnd = 24;  // how long the first and the last stay
+  constexpr double kRate = 24;           // pictures per second
+  constexpr int kBegin = 12, kEnd = 24;  // pictures for which the first and the last are shown
   const cv::Mat levels = core::to_levels(core::ClipRange(source, t, t + 1).next(), source.info());
   const auto& graph = run.sketch.frames[static_cast<std::size_t>(t)];
   const auto patches = pipeline::draw_patches(levels, graph, request.patches);

@@ -31,13 +31,13 @@ struct HeatMoment {
 
 /// Bounds of run_heat().
 struct HeatOptions {
-  int moments = 96;         ///< about so many, ≥ 3
-  double most_work = 4e11;  ///< values computed, at most about so many
+  int moments = 96;         ///< approximate number, ≥ 3
+  double most_work = 4e11;  ///< approximate limit of computed values
 };
 
 /// Diffuses from the sketchable part on mid-grey, or from `empty` where there is none, by explicit steps.
 /// Calls take() at times in geometric progression until all levels are within half a grey level of the fill,
-/// and last with the fill itself. Returns false where `most_work` ended it before. Throws core::Cancelled.
+/// and last with the fill itself. Returns false where `most_work` stopped it earlier. Throws core::Cancelled.
 bool run_heat(const sketch::Sketchable& held, const cv::Scalar& empty, const sketch::FillOptions& fill,
               const HeatOptions& options, const core::Context& context,
               const std::function<void(const HeatMoment&)>& take);

@@ -28,7 +28,7 @@ void FrameProgress::report(int frame, double share) {
 
 core::Context FrameProgress::step(int frame, double from) {
   return context_.with_progress([this, frame, from](std::string_view, double share) {
-    // A frame counts as done only at its own end.
+    // A frame counts as done only when it ends.
     report(frame, std::min(0.999, from + (1 - from) * share));
   });
 }

@@ -28,7 +28,7 @@ std::unique_ptr<io::VideoWriter> create_output(const std::string& path, const co
   }
 }
 
-/// The frames of the clip that the model was learned from; none where it holds none.
+/// Reads the training frames of the model; none where it holds none.
 pipeline::Footage clip_of(const std::string& folder, const core::ClipInfo& info) {
   io::ModelLimits limits;
   limits.parts = false;
@@ -44,7 +44,7 @@ cv::Mat resized(const cv::Mat& frame, cv::Size size) {
   return out;
 }
 
-/// The picture of --alpha, of the size of the model's frames or of the new clip's.
+/// Reads the picture of --alpha, of the size of the model's frames or of the new clip's.
 cv::Mat read_ground(const std::string& path, cv::Size frame, cv::Size written) {
   const auto picture = io::read_image(path).pixels;
   if (picture.size() != frame && picture.size() != written)
@@ -57,7 +57,7 @@ cv::Mat read_ground(const std::string& path, cv::Size frame, cv::Size written) {
   return to_colour_bytes(picture, info);
 }
 
-/// What is to become transparent.
+/// Returns the background that becomes transparent.
 pipeline::Ground ground_of(const SynthRequest& asked, const core::ClipInfo& info, cv::Size written,
                            const pipeline::Footage& clip) {
   const cv::Size frame(info.width, info.height);

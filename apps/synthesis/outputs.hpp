@@ -17,20 +17,20 @@
 
 namespace emberfold::apps {
 
-/// The files of a new clip: the clip, its graphs, overlay, film and map of sources, as they were asked for.
-/// None gets its name before finish().
+/// The requested files of a new clip: the clip, its graphs, overlay, film and map of sources. Each gets its
+/// final name only in finish().
 class SynthOutputs {
  public:
   /// Keeps references to both. Throws Misuse, core::IoError where a file cannot be written.
   SynthOutputs(const SynthRequest& asked, const pipeline::ClipSynthesis& frames);
 
-  /// Takes the next frame, while it is handed over by ClipSynthesis::each().
+  /// Writes the next frame; to be called while ClipSynthesis::each() hands it over.
   void write(const cv::Mat& frame);
-  /// Completes all, of one length, that of the frames written.
+  /// Completes all files; their length is the number of frames written.
   void finish();
 
   [[nodiscard]] int frames() const { return frames_; }
-  /// Returns the format of the clip that is written.
+  /// Returns the format of the written clip.
   [[nodiscard]] const core::ClipInfo& info() const { return written_; }
   /// Returns the map of sources; nothing without --explain.
   [[nodiscard]] const SourceMap* sources() const { return sources_ ? &*sources_ : nullptr; }
@@ -40,7 +40,7 @@ class SynthOutputs {
 
   const SynthRequest& asked_;
   const pipeline::ClipSynthesis& synthesis_;
-  core::ClipInfo info_, written_;  // of the frames as they are drawn, and as they are written
+  core::ClipInfo info_, written_;  // of the drawn frames, and of the written ones
   std::unique_ptr<io::VideoWriter> clip_, overlay_;
   std::optional<pipeline::Ground> ground_;  // of the written size
   pipeline::Light light_ = pipeline::Light::display;

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Returns the option that only drawn strokes can fulfil; empty where none was given.
+/// Returns the given option that requires drawn strokes; empty where none was given.
 std::string stroke_option(const SynthRequest& asked) {
   if (!asked.motion.empty()) return "--motion";
   if (!asked.overlay.empty()) return "--overlay";
@@ -27,12 +27,12 @@ std::string stroke_option(const SynthRequest& asked) {
   return stroke_option(asked.edit);
 }
 
-/// Returns what cannot be shown with the clip's own strokes; empty where nothing was asked that cannot.
+/// Returns the requested edit that is impossible with the clip's own strokes; empty where there is none.
 std::string not_carried(const SynthRequest& asked) {
   return asked.start != "data" ? "--start" : pipeline::edit_not_carried(asked.edit.edit);
 }
 
-/// Chooses carried strokes where an option needs strokes, drawn ones where it needs these, and refuses
+/// Chooses transferred strokes where an option needs strokes, drawn ones where it requires these, and rejects
 /// options that exclude each other.
 void choose_fill(SynthRequest& asked) {
   using pipeline::ModelFill;

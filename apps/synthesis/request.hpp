@@ -13,14 +13,14 @@
 
 namespace emberfold::apps {
 
-/// What `emberfold synth` is asked for.
+/// Request of `emberfold synth`.
 struct SynthRequest {
   std::string model, output, overlay, motion, film, explain, alpha;
   std::optional<pipeline::ModelFill> fill_kind;
   int frames = 300;
   std::optional<int> loop, width, height;
   bool asked_frames = false;
-  std::string drawn_since;  ///< why strokes are drawn that were to be carried
+  std::string drawn_since;  ///< why strokes are drawn instead of transferred
   sketch::FillOptions fill;
   std::string start = "data";
   EditOptions edit;
@@ -30,11 +30,11 @@ struct SynthRequest {
   }
 };
 
-/// Checks a request and chooses what its clip is made of. Throws Misuse that names the option.
+/// Checks a request and chooses the source of its clip. Throws Misuse that names the option.
 void check(SynthRequest& asked);
 
-/// Returns the new clip's size, which --width and --height may change, from that of the model's frames.
-/// Throws Misuse where they would distort it.
+/// Returns the new clip's size: that of the model's frames, unless --width and --height change it. Throws
+/// Misuse where they would distort it.
 cv::Size output_size(const SynthRequest& asked, cv::Size frame);
 
 }  // namespace emberfold::apps

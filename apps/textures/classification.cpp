@@ -36,7 +36,7 @@ class Pairs {
     const auto [low, high] = std::minmax(i, j);
     return pairs_[low * count_ - low * (low + 1) / 2 + high];
   }
-  // Tells whether the sample has distances by the measure.
+  // Returns whether the sample has distances by the measure.
   [[nodiscard]] bool has(std::size_t i, Measure measure) const { return dytex::has(at(i, i), measure); }
 
  private:
@@ -49,7 +49,7 @@ double distance_of(const dytex::Distances& pair, Measure measure) {
   return measure == Measure::kl ? *pair.kl + *pair.kl_back : distance(pair, measure);
 }
 
-// Returns d in the kernel exp(−d/s); nothing where the measure has a kernel of its own.
+// Returns d in the kernel exp(−d/s); nothing where the measure has its own kernel.
 std::optional<double> exponent_of(const dytex::Distances& pair, Measure measure) {
   if (measure == Measure::kl) return distance_of(pair, measure);
   if (measure != Measure::martin && measure != Measure::windows) return std::nullopt;
@@ -67,7 +67,7 @@ class TableKernel final : public cv::ml::SVM::Kernel {
  public:
   explicit TableKernel(cv::Mat1f table) : table_(std::move(table)) {}
   [[nodiscard]] int getType() const override { return cv::ml::SVM::CUSTOM; }
-  // Samples are their own numbers.
+  // Samples are represented by their indices.
   void calc(int count, int, const float* samples, const float* other, float* results) override {
     for (int k = 0; k < count; ++k)
       results[k] = table_(static_cast<int>(samples[k]), static_cast<int>(other[0]));
@@ -104,7 +104,7 @@ cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const st
   return table;
 }
 
-// Predicts the labels of the asked samples; of all samples given, each has distances by the measure.
+// Predicts the labels of the `asked` samples; all samples given have distances by the measure.
 using Predict = std::function<void(std::span<const std::size_t> training, std::span<const std::size_t> asked,
                                    std::vector<std::optional<std::size_t>>& predicted)>;
 
@@ -126,21 +126,21 @@ Predict predict_by_svm(const SampleLabels& samples, const Pairs& pairs, Measure 
     const auto label_of = [&](std::size_t i) { return static_cast<int>(samples.label[i]); };
     cv::Mat1f numbers(static_cast<int>(training.size()), 1);
     cv::Mat1i labels(static_cast<int>(training.size()), 1);
-    std::map<int, int> seen;  // how often each label
+    std::map<int, int> seen;  // number of samples by label
     for (int k = 0; k < numbers.rows; ++k) {
       const std::size_t i = training[static_cast<std::size_t>(k)];
       numbers(k, 0) = static_cast<float>(i);
       labels(k, 0) = label_of(i);
       ++seen[labels(k, 0)];
     }
-    if (seen.size() < 2) {  // nothing to tell apart
+    if (seen.size() < 2) {  // a single class
       for (const std::size_t i : asked) predicted[i] = samples.label[training.front()];
       return;
     }
     const auto machine = cv::ml::SVM::create();
     machine->setType(cv::ml::SVM::C_SVC);
     machine->setC(kCost);
-    cv::Mat1d weights(static_cast<int>(seen.size()), 1);  // classes of few samples count as much as others
+    cv::Mat1d weights(static_cast<int>(seen.size()), 1);  // small classes have the same weight as large ones
     for (auto weight = weights.begin(); const auto& [label, count] : seen)
       *weight++ = double(numbers.rows) / (double(seen.size()) * count);
     machine->setClassWeights(weights);

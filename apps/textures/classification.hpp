@@ -13,8 +13,8 @@
 
 namespace emberfold::apps {
 
-/// Assigns clips to folds 0 … folds − 1, those of a class in turn, so that classes spread evenly. `folds` 0:
-/// every clip is its own fold. Deterministic. Throws core::InputError unless folds is 0 or 2 … clips.
+/// Assigns clips to folds 0 … folds − 1, cyclically within each class, so that classes spread evenly. `folds`
+/// 0: every clip is its own fold. Deterministic. Throws core::InputError unless folds is 0 or 2 … clips.
 std::vector<std::size_t> deal_folds(std::span<const std::size_t> clip_labels, std::size_t folds);
 
 /// The class and fold of each sample.
@@ -27,24 +27,24 @@ enum class Classifier { nearest, svm };
 /// Returns "nearest" or "svm".
 const char* name(Classifier classifier);
 
-/// The result of one classifier with one measure; every sample is labelled from other folds.
+/// The result of one classifier with one measure; each sample is labelled from the other folds.
 struct Recognition {
   dytex::Measure measure = dytex::Measure::kl;
   Classifier classifier = Classifier::nearest;
-  /// Of each sample; none where it has no such distance, or no sample of other folds has.
+  /// By sample; none where it, or every sample of other folds, lacks the distance.
   std::vector<std::optional<std::size_t>> predicted;
   std::size_t samples = 0;  ///< with a prediction
   cv::Mat confusion;        ///< CV_64F, classes × classes: rows are true, columns predicted classes
-  double accuracy = 0;      ///< 0…1, of those
+  double accuracy = 0;      ///< 0…1, of these samples
 };
 
 /// Cross-validates both classifiers with every measure. `pairs`: from dytex::all_distances() of the samples.
-/// Nearest: the label of the nearest sample (KL: both directions added), the first of equals. SVM: OpenCV's,
-/// C = 10, one class against one. Its kernels are exp(−(KL + KL back)/s), exp(−Martin²/s), the normalised
+/// Nearest: the label of the nearest sample (KL: both directions added), the first of ties. SVM: OpenCV's, C
+/// = 10, one class against another. Its kernels are exp(−(KL + KL back)/s), exp(−Martin²/s), the normalised
 /// trace kernel, Σ cos² θ / √(n n′) of the subspace angles, and exp(−windows²/s); s is the median over pairs
-/// of training samples. Leaves samples out of measures that they lack (KL without noise r, angles without
-/// components, windows where none moves), and measures by which no sample can be classified. Deterministic,
-/// the same at any thread count.
+/// of training samples. Omits samples from measures that they lack (KL without noise r, angles without
+/// components, windows where none moves), and measures that can classify no sample. Deterministic, the same
+/// at any thread count.
 std::vector<Recognition> cross_validate(const SampleLabels& samples, std::span<const dytex::Distances> pairs);
 
 /// Draws all confusion matrices in one picture.

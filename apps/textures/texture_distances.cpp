@@ -49,7 +49,7 @@ std::string pad_left(const std::string& text, std::size_t width) {
   return std::string(width > count_characters(text) ? width - count_characters(text) : 0, ' ') + text;
 }
 
-// Quotes a field of a CSV line where it needs it.
+// Quotes a field of a CSV line if necessary.
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -97,7 +97,7 @@ std::vector<std::string> short_names(const std::vector<std::string>& paths) {
     names.push_back(whole.back().filename().string());
   }
   rest = whole;
-  // Equal names get the folder above in front until all differ.
+  // Equal names are prefixed with their parent folders until all differ.
   for (bool longer = true; longer;) {
     longer = false;
     std::vector<std::size_t> alike;

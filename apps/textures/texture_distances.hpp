@@ -13,15 +13,15 @@
 // Tables and pictures of `dytex distance`.
 namespace emberfold::apps {
 
-/// Returns the measure of this name; nothing for another name.
+/// Returns the measure with this name; nothing for other names.
 std::optional<dytex::Measure> measure_of(const std::string& text);
 /// Returns "kl, martin, binet-cauchy, angles, windows".
 std::string measure_names();
 
-/// Shortens paths to their last parts, or to as many as distinguish them.
+/// Shortens paths to the fewest last parts that distinguish them.
 std::vector<std::string> short_names(const std::vector<std::string>& paths);
 
-/// Returns the matrix of distances, CV_64F; NaN where there is no such distance.
+/// Returns the matrix of distances, CV_64F; NaN where there is none.
 cv::Mat measure_matrix(std::span<const dytex::Distances> pairs, dytex::Measure measure);
 
 /// Writes {"format": "emberfold.texture_distances", "version", "models", "measures": {name: rows}, "angles"
@@ -34,20 +34,20 @@ std::string pair_table(const std::vector<std::string>& names, const dytex::Dista
 /// Writes one measure of all models as a table, a row each.
 std::string matrix_table(const std::vector<std::string>& names, const cv::Mat& values,
                          dytex::Measure measure);
-/// Writes the same as CSV with a head line; fields without a number are empty.
+/// Writes the table as CSV with a header; fields without a number are empty.
 std::string matrix_csv(const std::vector<std::string>& names, const cv::Mat& values);
-/// Draws the same as a heat matrix.
+/// Draws the table as a heat matrix.
 cv::Mat draw_distances(const std::vector<std::string>& names, const cv::Mat& values, dytex::Measure measure);
 
-/// The KL divergence of one model's clips from another's by length.
+/// The KL divergence of one model's clips from another's, by length.
 struct Growth {
   std::string from, to;
-  double rate = 0;             ///< nats a frame, in the long run
-  std::vector<double> values;  ///< of 1, 2, … frames, nats
+  double rate = 0;             ///< nats per frame, asymptotically
+  std::vector<double> values;  ///< for 1, 2, … frames, nats
 };
 /// Writes the curves as JSON.
 nlohmann::ordered_json growth_json(const std::vector<Growth>& curves);
-/// Draws divergence against the number of frames, as Fig. 3 of Soatto, Doretto, Wu 2001.
+/// Draws divergence against the number of frames, as in Fig. 3 of Soatto, Doretto, Wu 2001.
 cv::Mat draw_growth(const std::vector<Growth>& curves);
 
 }  // namespace emberfold::apps

@@ -79,7 +79,7 @@ class Words {
   bool contrast_ = true;
 };
 
-// Parses the numbers of a text; nothing where it holds anything else, or none.
+// Parses the numbers of a text; nothing where it holds anything else, or no numbers.
 std::optional<std::vector<double>> numbers_of(std::string text) {
   std::ranges::replace(text, ',', ' ');
   std::vector<double> values;

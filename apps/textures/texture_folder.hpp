@@ -14,9 +14,9 @@ dytex::LinearDynamicTexture read_texture(const std::string& folder);
 /// A texture and its edits since it was learned.
 struct TextureAndEdits {
   dytex::LinearDynamicTexture texture;
-  std::vector<std::string> edits;  ///< as apps/textures/texture_edits.hpp tells
+  std::vector<std::string> edits;  ///< as in apps/textures/texture_edits.hpp
 };
-/// Reads both. Throws IoError naming the folder.
+/// Reads a texture and its edits. Throws IoError naming the folder.
 TextureAndEdits read_texture_and_edits(const std::string& folder);
 
 }  // namespace emberfold::apps

@@ -34,7 +34,7 @@ std::string column(double value, int width, int digits) {
   return out.str();
 }
 
-// Returns "50 noises", "2 noises, 1 not normal, with 98.10 % of what drove the clip" or the like.
+// Returns "50 noises", "2 noises, 1 not normal, with 98.10 % of what drove the clip" and similar.
 std::string noise_text(const dytex::LinearDynamicTexture& texture) {
   std::string text = std::to_string(texture.B.cols());
   text += texture.residuals.size() > 0 ? " resampled residuals"
@@ -61,7 +61,7 @@ std::vector<std::complex<double>> texture_eigenvalues(const dytex::LinearDynamic
   if (texture.order() == 0) return {};
   const Eigen::VectorXcd poles = dytex::detail::eigenvalues(texture.A);
   std::vector<std::complex<double>> values(poles.begin(), poles.end());
-  // A pair stays together, the upper one first: radius and |angle| are equal.
+  // Conjugate pairs stay together, positive imaginary part first: radius and |angle| are equal.
   std::ranges::stable_sort(values, [](const auto& a, const auto& b) {
     const auto key = [](const auto& z) { return std::pair{-std::norm(z), std::abs(z.imag())}; };
     return key(a) != key(b) ? key(a) < key(b) : a.imag() > b.imag();

@@ -45,7 +45,7 @@ std::string size_text(int width, int height, int channels) {
   return std::to_string(width) + " x " + std::to_string(height) + (channels == 3 ? " in colour" : " in grey");
 }
 
-// The size and channels of all samples.
+// The common size and channels of the samples.
 struct Shape {
   int width = 0, height = 0, channels = 0;
   std::string decided_by;
@@ -125,14 +125,14 @@ class Learner {
                  labelled.path.string() + " has " + std::to_string(frames) + " frames, so allowed is 1 to " +
                  std::to_string(frames - 2));
   }
-  // The part of a frame that belongs to the block.
+  // Returns the part of a frame that belongs to the block.
   [[nodiscard]] cv::Rect cell(const core::Clip& clip, int row, int column) const {
     const cv::Point from(clip.info.width * column / options_.columns, clip.info.height * row / options_.rows);
     const cv::Point to(clip.info.width * (column + 1) / options_.columns,
                        clip.info.height * (row + 1) / options_.rows);
     return {from, to};
   }
-  // Its middle, of the size that all blocks have.
+  // Returns the centre of cell(), in the common block size.
   [[nodiscard]] cv::Rect block(const core::Clip& clip, int row, int column) const {
     const cv::Rect whole = cell(clip, row, column);
     return {whole.x + (whole.width - shape_.width) / 2, whole.y + (whole.height - shape_.height) / 2,
@@ -163,7 +163,7 @@ class Learner {
     auto learned = dytex::learn(source, options, session_.context.with_progress({}));
     return std::move(learned.texture);
   }
-  // Of large frames made smaller, so that windows of all clips show about as much of their scene.
+  // Reduces large frames, so that windows of all clips show about the same part of their scene.
   [[nodiscard]] dytex::WindowSpectrum describe(const core::Clip& clip, const cv::Rect& part,
                                                std::size_t first, std::size_t last) const {
     const double scale = std::min(1.0, kWindowsSide / std::max(clip.info.width, clip.info.height));

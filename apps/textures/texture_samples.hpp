@@ -10,14 +10,14 @@
 #include "dytex/distances/window_spectra.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 
-// Reads labelled textures from a folder with a folder for each class.
+// Reads labelled textures from a folder with one subfolder per class.
 namespace emberfold::apps {
 
-/// Holds the settings by which clips are cut into samples and learned.
+/// Holds the settings for cutting clips into samples and learning them.
 struct SampleOptions {
-  int columns = 1, rows = 1;  ///< 1 … 64: blocks into which every frame is cut
-  int pieces = 1;             ///< 1 … 64: parts of equal length into which the clip is cut
-  int components = 20;        ///< ≥ 1, of each model that is learned
+  int columns = 1, rows = 1;  ///< 1 … 64: blocks per frame
+  int pieces = 1;             ///< 1 … 64: parts of equal length per clip
+  int components = 20;        ///< ≥ 1, of each learned model
   io::ReadOptions reading;
 
   /// Throws core::InputError naming the field, its value and what is allowed.
@@ -50,15 +50,14 @@ struct TextureSample {
 struct TextureSamples {
   std::vector<TextureSample> samples;
   std::vector<dytex::LinearDynamicTexture> textures;  ///< one for each
-  /// One for each, of all pixels of the sample's cell, in frames made smaller to 320 px where they are
-  /// longer; empty where a model folder is among the samples, for windows of clips and of models are not
-  /// compared.
+  /// By sample, of all pixels of its cell, in frames reduced to 320 px if longer; empty if any sample is a
+  /// model folder, since windows of clips and of models are not comparable.
   std::vector<dytex::WindowSpectrum> windows;
 };
 
 /// Learns a model of every block and piece of every clip; a model folder is one sample. All blocks have the
-/// size of the smallest cell of any clip, or of the models where there are any, and lie in the middle of
-/// their cell. Keeps one clip in memory at a time. Throws core::IoError where sizes or channels do not fit.
+/// size of the smallest cell of any clip, or of the models where there are any, and are centred in their
+/// cell. Keeps one clip in memory at a time. Throws core::IoError where sizes or channels do not fit.
 TextureSamples learn_samples(const LabelledClips& labelled, const SampleOptions& options,
                              const Session& session, const core::Warn& warn);
 

@@ -29,8 +29,8 @@ Json interval_json(const core::Interval& interval) {
           {"high", number_json(interval.high)}};
 }
 
-/// Sum of the lengths of all strokes in all frames but the first, each for the time since the frame before,
-/// px s.
+/// Returns the total length of all strokes in all frames but the first, each times the time since the
+/// previous frame, px s.
 double stroke_length(const graph::MotionGraph& motion, const graph::Units& units) {
   double sum = 0;
   for (std::size_t t = 1; t < motion.sketch.frames.size(); ++t) {
@@ -44,7 +44,7 @@ double stroke_length(const graph::MotionGraph& motion, const graph::Units& units
   return sum;
 }
 
-/// Adds the median, and the values that 5 % are below and above.
+/// Adds the median, and the values below and above which 5 % lie.
 void add_spread(Json& out, std::vector<double> values, const std::string& suffix) {
   std::ranges::sort(values);
   const auto at = [&](double share) {
@@ -57,7 +57,7 @@ void add_spread(Json& out, std::vector<double> values, const std::string& suffix
   out["high" + suffix] = number_json(at((1 + kLevel) / 2));
 }
 
-/// Returns the spread of values, and of the same in units of the world where these are known.
+/// Returns the spread of values, and of the same in physical units where these are known.
 Json spread_json(const std::vector<double>& values, const char* unit, const std::vector<double>& in_world,
                  const std::string& suffix) {
   if (values.empty()) return nullptr;

@@ -14,26 +14,26 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr float kFaint = 0.75, kOpaque = 1;  // times what a patch is fitted by, its contrast
-constexpr float kDark = 16;  // grey levels, added where gains are taken: black has no colour to be scaled
+constexpr float kFaint = 0.75, kOpaque = 1;  // thresholds of contrast / fitted difference
+constexpr float kDark = 16;  // grey levels, added before taking gains: black has no colour to scale
 
-/// What brings pixels to the levels that lie beside a patch: brighter ones are scaled down, so that none
-/// becomes negative and tints, darker ones are raised, so that none is blown up.
+/// Maps pixels to the levels next to a patch: brighter ones are scaled down, so that none becomes negative
+/// and tints, darker ones are raised, so that none is blown up.
 struct Fit {
   std::array<float, 3> gain{1, 1, 1}, added{};
-  std::array<float, 3> seen{};  // levels beside the patch where it was seen
+  std::array<float, 3> seen{};  // levels next to the patch in its source frame
 };
 
-/// What the patches about a pixel say of it.
+/// Weighted sums over the patches that cover one pixel.
 struct PixelSource {
-  float share = 0;      // of the carried pixel
-  float weight = 0;     // of the sums
+  float share = 0;      // of the transferred pixel
+  float weight = 0;     // sum
   Fit fit{{}, {}, {}};  // sums
-  float opacity = 0;    // sum of those for a grey level of difference from what lay beside it
-  float x = 0, y = 0;   // sums of where it lies in its frame, less its own place
+  float opacity = 0;    // sum, per grey level of difference from the patch's surroundings
+  float x = 0, y = 0;   // sums: place in the source frame, less the pixel's own
 };
 
-/// Mean levels of 5×5 pixels about a place, of those within the frame.
+/// Returns the mean levels of the 5×5 pixels about a place, of those within the frame.
 std::array<float, 3> mean_levels(const cv::Mat& frame, graph::Point at) {
   std::array<float, 3> sum{};
   const int cx = static_cast<int>(std::lround(std::clamp(at.x, 0.0, double(frame.cols - 1))));
@@ -48,14 +48,14 @@ std::array<float, 3> mean_levels(const cv::Mat& frame, graph::Point at) {
   return sum;
 }
 
-/// Those at `across` px to the left and to the right of its curve.
+/// Levels at `across` px to the left and to the right of a patch's curve.
 struct Sides {
   Fit left, right;
   double across = 1;
-  float opacity = 0;  // of a patch's pixels, for a grey level of difference from what lies beside it
+  float opacity = 0;  // of a patch's pixels, per grey level of difference from its surroundings
 };
 
-/// Bilinear levels at a place, of the nearest pixel beyond the border.
+/// Returns bilinear levels at a place; beyond the border those of the nearest pixel.
 template <int Channels>
 std::array<float, Channels> levels_at(const cv::Mat& frame, float x, float y) {
   const core::BilinearPlace place(x, y, frame.size());
@@ -68,9 +68,9 @@ std::array<float, Channels> levels_at(const cv::Mat& frame, float x, float y) {
   return levels;
 }
 
-/// Returns the opacity of a patch's pixels for a grey level of difference from what lies beside it. A patch
-/// that differs more from that than it is to be fitted by covers what lies below it: in its middle it has a
-/// colour of its own, which the ground's must not tint. Fainter ones are seen through: 0.
+/// Returns the opacity of a patch's pixels per grey level of difference from its surroundings.
+/// A patch whose contrast exceeds the fitted difference is opaque: its middle has a colour of its own, which
+/// the background must not tint. Fainter patches are transparent: 0.
 float opacity_of(const CarriedPatch& patch, const Sides& sides, float lacking, const cv::Mat& source) {
   const auto x = static_cast<float>(patch.from.x), y = static_cast<float>(patch.from.y);
   const auto channels = static_cast<std::size_t>(source.channels());
@@ -100,7 +100,7 @@ Sides fit_sides(const CarriedStroke& stroke, const CarriedPatch& patch, const cv
     float asked = 0;
     for (std::size_t c = 0; c < 3; ++c) asked = std::max(asked, std::abs(levels[c] - seen[c]));
     largest = std::max(largest, std::min(asked, most));
-    // All channels by one share: what is fitted in part has a colour between the two.
+    // All channels by one share: a partial fit has a colour between the two.
     const float share = asked > most ? most / asked : 1;
     for (std::size_t c = 0; c < 3; ++c) {
       const float lacking = share * (levels[c] - seen[c]);

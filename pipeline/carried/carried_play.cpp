@@ -21,19 +21,19 @@ using graph::Point;
 using Index = std::uint32_t;
 
 constexpr std::uint32_t kStream = 0x63617272;  // of the random stream
-constexpr int kFade = 4;             // moments over which strokes come and go that did not in the clip
-constexpr double kFit = 64;          // grey levels by which its pixels are fitted to those beside it there
-constexpr double kWholeFit = 255;    // so are those that hide a stroke
-constexpr double kBorder = 6;        // px over which a stroke blends into where it is carried
-constexpr int kLeastHeld = 8;        // moments for which what hides a stroke stays, even if strokes are there
-constexpr double kFarthest = 32;     // px that the wind carries a stroke, about
+constexpr int kFade = 4;                       // moments over which edited strokes appear and vanish
+constexpr double kFit = 64;          // grey levels by which its pixels are fitted to their new surroundings
+constexpr double kWholeFit = 255;    // the same for pixels that hide a stroke
+constexpr double kBorder = 6;        // px over which a stroke blends into the frame
+constexpr int kLeastHeld = 8;        // moments for which a hiding place is kept, even if strokes reach it
+constexpr double kFarthest = 32;     // px that the wind displaces a stroke, about
 constexpr std::size_t kFromEnd = 4;  // patches between a split and a free end
 
 std::size_t index(EventType type) {
   return static_cast<std::size_t>(type);
 }
 
-/// A whole number whose mean is `mean` ≥ 0.
+/// Draws a whole number whose mean is `mean` ≥ 0.
 int draw_count(double mean, core::Rng& rng) {
   const double whole = std::floor(mean);
   return static_cast<int>(whole) + (rng.uniform() < mean - whole ? 1 : 0);
@@ -55,7 +55,8 @@ double mean_width(const graph::AttributeGraph& graph, const std::vector<Index>& 
   return sum / static_cast<double>(stroke.size());
 }
 
-/// Patches that a walk along edges reaches from `from`, not through `not_through`, within so many px.
+/// Returns the patches that a walk along edges reaches from `from` within `distance` px, not through
+/// `not_through`.
 std::vector<Index> patches_within(const graph::AttributeGraph& graph, Index from, Index not_through,
                                   double distance) {
   std::vector<std::pair<Index, double>> open{{from, 0.0}};
@@ -72,7 +73,7 @@ std::vector<Index> patches_within(const graph::AttributeGraph& graph, Index from
   return {found.begin(), found.end()};
 }
 
-/// Returns whether no free end and no junction lies within kFromEnd patches of a curve's inner patch.
+/// Returns whether no free end and no junction is within kFromEnd patches of a curve's inner patch.
 bool is_inside(const graph::AttributeGraph& graph, Index vertex) {
   if (graph.degree(vertex) != 2) return false;
   for (const Index side : graph.neighbours(vertex)) {
@@ -116,8 +117,8 @@ CarriedPlay::CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::Motio
   if (!widths.empty()) usual_width_ = core::median(widths);
 }
 
-/// What hides a new patch: that which hides the nearest known one of its stroke, unless it is as wide as it
-/// may be.
+/// Returns what hides a new patch: the hiding of the nearest known patch of its stroke, unless that has its
+/// full number of patches.
 int CarriedPlay::inherited_hiding(const graph::AttributeGraph& graph, const std::vector<Index>& known,
                                   const std::vector<Followed>& now, Index vertex) const {
   const auto nearest = std::ranges::min(known, {}, [&](Index w) {
@@ -130,7 +131,7 @@ int CarriedPlay::inherited_hiding(const graph::AttributeGraph& graph, const std:
   return most > 0 && static_cast<std::size_t>(hidden) >= most ? -1 : number;
 }
 
-/// Follows the patches into the frame; new ones of a stroke are as the nearest of it that continue others.
+/// Follows the patches into the frame; new patches of a stroke copy the nearest one that continues another.
 CarriedPlay::Played CarriedPlay::follow(int frame) {
   Played played;
   played.first = frame_ < 0;
@@ -157,8 +158,8 @@ CarriedPlay::Played CarriedPlay::follow(int frame) {
   return played;
 }
 
-/// Chooses what hides patches of the frame, anew where strokes have come there; where they always are, only
-/// now and then.
+/// Chooses what hides patches of the frame: anew where strokes have come there, and only now and then where
+/// strokes always are.
 void CarriedPlay::choose_place(Hiding& hiding, const std::vector<Index>& vertices) {
   const bool first = hiding.begin == moment_;
   if (!first && !hiding.free && moment_ - hiding.chosen < kLeastHeld) return;
@@ -169,7 +170,7 @@ void CarriedPlay::choose_place(Hiding& hiding, const std::vector<Index>& vertice
   hiding.free = !shows_strokes(*clip_, frame_, patches, hiding.place);
 }
 
-/// Hides patches of the frame from now on, and returns the number of what hides them.
+/// Hides patches of the frame from now on, and returns the number of the hiding.
 int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden) {
   for (const Index v : vertices) now_[v].hiding = next_hiding_;
   Hiding hiding;
@@ -178,12 +179,12 @@ int CarriedPlay::hide(const std::vector<Index>& vertices, bool sudden) {
   return next_hiding_++;
 }
 
-/// Hides patches and no more of their stroke than these.
+/// Hides these patches and none else of their stroke.
 void CarriedPlay::hide_gap(const std::vector<Index>& vertices, bool sudden) {
   hidings_[hide(vertices, sudden)].most = vertices.size();
 }
 
-/// Returns whether the clip moves at half of the patches, and they with it.
+/// Returns whether the clip moves at half of the patches or more, and these do not stand still.
 bool CarriedPlay::moves(const std::vector<Index>& vertices) const {
   const auto& graph = clip_->graph(frame_);
   const auto moving = std::ranges::count_if(vertices, [&](Index v) {
@@ -202,7 +203,7 @@ void CarriedPlay::let_drift(const std::vector<Index>& vertices, core::Rng& rng) 
       std::max(2 * kFade, static_cast<int>(std::lround(farthest / graph::norm(edit_.wind))));
 }
 
-/// Strokes that begin in this moment.
+/// Begins the strokes that appear in this moment.
 void CarriedPlay::begin_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment) {
   const double births = edit_.rates[index(EventType::birth)];
   for (const auto& stroke : played.fresh) {
@@ -226,7 +227,7 @@ void CarriedPlay::begin_strokes(const Played& played, core::Rng& rng, CarriedMom
   }
 }
 
-/// Returns whether a patch is there, at its place.
+/// Returns whether a patch is shown, at its own place.
 bool CarriedPlay::is_whole(Index vertex) const {
   return now_[vertex].hiding < 0;
 }
@@ -242,7 +243,7 @@ void CarriedPlay::end_stroke(core::Rng& rng) {
 /// Opens a gap in a curve, or between a junction and one of its arms.
 void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
   const auto& graph = clip_->graph(frame_);
-  std::vector<std::pair<Index, Index>> sites;  // where it opens, and what it does not go through
+  std::vector<std::pair<Index, Index>> sites;  // where it opens, and the vertex that it does not pass
   for (Index v = 0; v < graph.size(); ++v) {
     const auto sides = graph.neighbours(v);
     if (!moves({v}) || !is_whole(v) || !std::ranges::all_of(sides, [&](Index w) { return is_whole(w); }))
@@ -263,13 +264,13 @@ void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
   if (const auto gap = choice_.least_visible(frame_, std::move(gaps), rng)) hide_gap(*gap, false);
 }
 
-/// Lets a stroke of another time live again.
+/// Repeats a stroke of another time.
 void CarriedPlay::bear_again(core::Rng& rng) {
   if (const auto found = find_life_again(*clip_, frame_, edit_.birth_map, rng))
     again_.push_back({found->life, moment_, found->offset, {}});
 }
 
-/// Strokes that change in this moment, as they did in the clip or for the first time.
+/// Changes strokes in this moment, as in the clip or additionally.
 void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment) {
   if (played.step == 0) return;
   const auto& events = clip_->events(std::max(frame_, frame_ - played.step));
@@ -303,7 +304,7 @@ Point CarriedPlay::drifted(const Hiding& hiding) const {
   return edit_.wind * static_cast<double>((moment_ - hiding.begin) % hiding.drift);
 }
 
-/// The frame's own strokes: those that are seen, what hides the others, and those that drift.
+/// Draws the frame's own strokes: those that are visible, what hides the others, and those that drift.
 void CarriedPlay::draw_frame_strokes(CarriedMoment& moment, std::vector<graph::Vertex>& vertices,
                                      std::vector<graph::Edge>& edges) {
   const auto& graph = clip_->graph(frame_);
@@ -353,7 +354,7 @@ void CarriedPlay::draw_frame_strokes(CarriedMoment& moment, std::vector<graph::V
   std::ranges::move(drifting, std::back_inserter(moment.strokes));
 }
 
-/// The strokes that live again.
+/// Draws the repeated strokes.
 void CarriedPlay::draw_again(CarriedMoment& moment, std::vector<graph::Vertex>& vertices,
                              std::vector<graph::Edge>& edges) {
   const auto age_of = [&](const Again& one) { return static_cast<std::size_t>(moment_ - one.begin); };

@@ -18,29 +18,30 @@
 
 namespace emberfold::pipeline {
 
-/// A moment of an edited clip: its graph, and what is drawn over the frame that was seen.
+/// A moment of an edited clip: its graph, and the strokes drawn over the frame of the clip.
 struct CarriedMoment {
-  graph::AttributeGraph graph;         ///< strokes keep their vertex ids as long as they live
+  graph::AttributeGraph graph;         ///< strokes keep their vertex ids through their life
   std::vector<CarriedStroke> strokes;  ///< in the order in which they are drawn
   std::array<int, 6> operators{};      ///< births, deaths, splits, merges, connects, disconnects
 };
 
-/// Returns the first of the edits that no clip can show whose strokes are carried; empty where there is none:
-/// of MotionEdit those of speed, reverse, strokes, birth_map, wind and rates, but no fewer deaths, splits or
-/// disconnects and no more merges or connects.
+/// Returns the first edit that cannot be made by transferring pixels of strokes; empty where there is none.
+/// Of MotionEdit speed, reverse, strokes, birth_map, wind and rates are possible, but no fewer deaths, splits
+/// or disconnects and no more merges or connects.
 std::string edit_not_carried(const mcmc::MotionEdit& edit);
 
-/// Edits the strokes of a clip while its frames are played. What is not edited stays as it was seen.
-/// More births: other strokes of the clip live once more, near where they lived. Fewer: strokes are hidden
-/// from their birth on. Splits and disconnects: gaps are hidden in strokes, whose ends go on; unions that are
-/// left out: the patches that would join are hidden. Wind: strokes drift from their birth on, and begin anew
-/// where they are when they have come far. Strokes of a ground that stands still do not break, end or drift
-/// more often. Each happens as often as the edit asks, in terms of what the clip
-/// shows. Speed and sense of time are left to whoever plays the frames.
+/// Edits the strokes of a clip while its frames are played; everything else stays unchanged.
+/// More births: other strokes of the clip are repeated, near where they lived. Fewer: strokes are hidden from
+/// their birth on. Splits and disconnects: gaps in strokes are hidden, and the ends continue; unions that are
+/// left out: the patches that would join are hidden. Wind: strokes drift from their birth on, and return to
+/// their place once they are far from it. Strokes of a still background do not break, end or drift more
+/// often. Each event happens as often as the edit demands, relative to the clip. Speed and sense of time are
+/// left to the caller.
 class CarriedPlay {
  public:
-  /// `gaps`: px that a split and a disconnect open. `loop`: moments after which the same frames are shown
-  /// again, with the same chances. Throws core::InputError for an edit that is not carried.
+  /// `gaps`: px, the widths that a split and a disconnect open. `loop`: moments after which the same frames
+  /// are shown again, with the same chances. Throws core::InputError for an edit that is not possible
+  /// (edit_not_carried).
   CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::MotionEdit& edit, std::array<double, 2> gaps,
               std::uint64_t seed, std::optional<int> loop = {});
 
@@ -50,24 +51,24 @@ class CarriedPlay {
  private:
   struct Followed {
     std::uint32_t id = 0;
-    int hiding = -1;  // number; −1: it is seen
+    int hiding = -1;  // index; −1: visible
   };
   struct Hiding {
     HiddenPlace place;
     int begin = 0;         // moment
-    bool sudden = false;   // what it hides was not there before
-    int chosen = 0;        // moment when the place was
-    bool free = true;      // of strokes then
-    std::size_t most = 0;  // patches that it hides at most; 0: any number, as of a whole stroke
+    bool sudden = false;   // the hidden patches were absent before
+    int chosen = 0;        // moment in which `place` was chosen
+    bool free = true;      // no stroke was there then
+    std::size_t most = 0;  // maximum number of patches; 0: any number, for a whole stroke
     int drift = -1;        // moments after which the stroke is back at its place; −1: it does not drift
   };
-  struct Again {  // a stroke that lives once more
+  struct Again {  // a repeated stroke
     const StrokeLife* life = nullptr;
     int begin = 0;  // moment
     graph::Point offset;
     std::vector<std::uint32_t> ids;  // of its patches now
   };
-  struct Played {  // what happens between the moment before and this one
+  struct Played {  // changes between the previous moment and this one
     int step = 0;  // frames; 0: the first moment, a repeated frame or a jump
     bool first = false;
     std::vector<std::vector<std::uint32_t>> fresh;  // strokes that continue none
@@ -101,7 +102,7 @@ class CarriedPlay {
   std::uint64_t seed_;
   std::optional<int> loop_;
   cv::Mat1b moves_;         // where the clip moves
-  double usual_width_ = 0;  // with a choice of strokes: between the coarse and the fine ones
+  double usual_width_ = 0;  // with a choice of strokes: the limit between coarse and fine ones
   int frame_ = -1, moment_ = -1;
   std::uint32_t next_id_ = 0;
   int next_hiding_ = 0;

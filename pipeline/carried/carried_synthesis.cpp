@@ -28,9 +28,9 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kMostRounds = 12;  // of a loop, until strokes at its end are those at its beginning
+constexpr int kMostRounds = 12;  // of a loop, until its strokes at the end agree with those at the beginning
 
-/// The clip as it is played: backwards where the edit asks for that.
+/// Returns the clip in playing order: backwards where the edit asks for that.
 std::shared_ptr<const SeenClip> played_clip(std::vector<cv::Mat> frames, graph::MotionGraph strokes,
                                             bool reverse) {
   if (reverse) {
@@ -40,15 +40,15 @@ std::shared_ptr<const SeenClip> played_clip(std::vector<cv::Mat> frames, graph::
   return std::make_shared<const SeenClip>(std::move(frames), std::move(strokes));
 }
 
-/// The edit in terms of the moments that are played: speed and sense of time are those of the play.
+/// Returns the edit in terms of played moments: speed and sense of time belong to the play.
 mcmc::MotionEdit played_edit(mcmc::MotionEdit edit) {
   edit.wind = edit.wind * (1 / edit.speed);
   edit.speed = 1, edit.reverse = false;
   return edit;
 }
 
-/// Returns the graph at a share of the way from one moment to the next: the nearer one's, its patches between
-/// their places in both.
+/// Returns the graph at a share of the way from one moment to the next: that of the nearer one, with its
+/// patches at interpolated places.
 graph::AttributeGraph graph_between(const graph::AttributeGraph& before, const graph::AttributeGraph& after,
                                     double share) {
   const bool is_after = share >= 0.5;
@@ -76,7 +76,7 @@ CarriedSynthesis::CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGr
   if (options.loop) play_rounds(context);
 }
 
-/// Moments of a loop, whose number is whole.
+/// Returns the number of moments of a loop, rounded.
 std::optional<int> CarriedSynthesis::played_loop() const {
   if (!options_.loop) return std::nullopt;
   if (*options_.loop < 2)
@@ -85,7 +85,7 @@ std::optional<int> CarriedSynthesis::played_loop() const {
   return std::max(2, static_cast<int>(std::lround(*options_.loop * options_.edit.speed)));
 }
 
-/// Plays rounds of a loop until one is as the one before, or the last of kMostRounds, and keeps that.
+/// Plays rounds of a loop until one equals the one before, at most kMostRounds, and keeps the last.
 void CarriedSynthesis::play_rounds(const core::Context& context) {
   const int moments = *played_loop();
   std::vector<CarriedMoment> before;
@@ -107,7 +107,7 @@ int CarriedSynthesis::batch() const {
   return std::max(1, static_cast<int>(static_cast<double>(most) / std::max(1.0, options_.edit.speed)));
 }
 
-/// The moment that a frame shows, or a time between two.
+/// Returns the moment that a frame shows, or a time between two.
 double CarriedSynthesis::time(std::int64_t frame) const {
   const double step = options_.loop ? double(*played_loop()) / *options_.loop : options_.edit.speed;
   return step * static_cast<double>(frame);
@@ -180,7 +180,7 @@ void CarriedSynthesis::draw_moments(std::int64_t last, const core::Context& cont
                          }});
 }
 
-/// Finds the motion from each moment after which one of the next `count` frames lies.
+/// Finds the motion from each moment after which one of the next `count` frames is due.
 void CarriedSynthesis::find_motion(std::int64_t count, const core::Context& context) {
   std::set<std::int64_t> missing;
   for (auto n = next_frame_; n < next_frame_ + count; ++n)
@@ -224,7 +224,7 @@ void CarriedSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
 
 graph::MotionGraph CarriedSynthesis::motion(int count, const core::Context& context) const {
   PlayOrder order(moments_, {.seed = options_.seed, .loop = played_loop()});
-  // That of a loop goes on from the round that is shown.
+  // A loop continues from the round that is shown.
   CarriedPlay play =
       round_.empty() ? CarriedPlay(clip_, played_edit(options_.edit), options_.gaps, options_.seed) : play_;
   mcmc::detail::LinkedFrames linked;

@@ -24,21 +24,21 @@ namespace emberfold::pipeline {
 /// Holds the settings of a CarriedSynthesis.
 struct CarriedSynthesisOptions {
   std::uint64_t seed = 1;
-  mcmc::MotionEdit edit = {};             ///< one that is carried (edit_not_carried)
-  std::array<double, 2> gaps = {10, 10};  ///< px that a split and a disconnect open
+  mcmc::MotionEdit edit = {};             ///< must be possible (edit_not_carried)
+  std::array<double, 2> gaps = {10, 10};  ///< px, the widths that a split and a disconnect open
   std::optional<int> loop = {};           ///< frames after which the clip repeats itself exactly, ≥ 2
 };
 
-/// Draws new frames of a footage without end, with its strokes edited.
-/// The footage is played with jumps between like moments (PlayOrder); on each frame lie the pixels of strokes
-/// that are born elsewhere or drift, and what hides those that are not to be seen (CarriedPlay). Without
-/// edits frames are those of the footage. At another speed frames lie between those so drawn (draw_between),
-/// and patches on the way from one to the next. A loop shows the round of moments before which others went,
-/// so that strokes that live on across its end are there at its beginning. The same at any number of threads.
+/// Draws an endless number of new frames of a footage, with its strokes edited.
+/// The footage is played with jumps between similar frames (PlayOrder); over each frame are drawn the pixels
+/// of strokes that are born elsewhere or drift, and those that hide strokes (CarriedPlay). Without edits the
+/// frames are those of the footage. At another speed, frames are interpolated (draw_between), and patches,
+/// too. A loop shows a round that others preceded, so that strokes which live across its end are present at
+/// its beginning. The same at any number of threads.
 class CarriedSynthesis {
  public:
-  /// `footage`: frames of a clip, CV_8U, 1 or 3 channels, of one size; `strokes`: those seen in them.
-  /// Throws core::InputError for an edit that is not carried, fewer than two frames and strokes of others;
+  /// `footage`: frames of a clip, CV_8U, 1 or 3 channels, of one size; `strokes`: those in its frames. Throws
+  /// core::InputError for an edit that is not possible, fewer than two frames, and strokes of other frames;
   /// core::Cancelled.
   CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGraph strokes,
                    const CarriedSynthesisOptions& options, const core::Context& context = {});
@@ -46,26 +46,26 @@ class CarriedSynthesis {
   /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take` in order.
   /// Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {});
-  /// Returns the best number of frames to ask for at once: 1…16.
+  /// Returns the best number of frames per call: 1…16.
   [[nodiscard]] int batch() const;
   /// Returns the statistics of the frames so far.
   [[nodiscard]] const SynthesisStatistics& statistics() const { return statistics_; }
-  /// Returns where in the clip the pixels of a frame come from, between two moments of the nearer one; to be
-  /// called while it is handed to each()'s `take`.
+  /// Returns the source in the clip of a frame's pixels; between two moments those of the nearer one. To be
+  /// called while the frame is handed to each()'s `take`.
   [[nodiscard]] FrameSources sources() const;
   /// Returns the graphs of the clip's first `count` ≥ 1 frames, with links and identified strokes.
   /// Throws core::Cancelled.
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context = {}) const;
 
  private:
-  /// What a moment of the played footage shows, and what is drawn over it.
+  /// A moment of the played footage, and what is drawn over it.
   struct Moment {
     PlayedMoment shown;
     cv::Mat1f turning;  // places, of a turn
     CarriedMoment carried;
   };
   struct DrawnMoment {
-    cv::Mat frame, motion;  // to the next moment, where it was needed
+    cv::Mat frame, motion;  // to the next moment, if it was needed
     PlayedMoment shown;
     std::vector<CarriedStroke> strokes;
   };

@@ -19,9 +19,9 @@ using graph::Point;
 
 constexpr int kDirections = 8;
 constexpr std::array kTimes = {-61, -43, -31, -22, -15, -10, -6, 6, 10, 15, 22, 31, 43, 61};  // frames
-constexpr int kLookAhead = 5;         // frames after which no stroke is to lie there either
-constexpr double kStroke = 40;        // grey levels that a stroke at such a place counts for
-constexpr std::size_t kSampled = 10;  // patches that are looked at
+constexpr int kLookAhead = 5;         // frames for which the place must stay free of strokes
+constexpr double kStroke = 40;        // grey levels of misfit for a stroke at such a place
+constexpr std::size_t kSampled = 10;  // patches that are examined
 constexpr double kAround = 3;         // px beyond a patch's reach, where its surroundings are compared
 
 const std::uint8_t* pixel(const cv::Mat& frame, Point at) {

@@ -13,8 +13,8 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kMostOwed = 4;          // strokes that are still to be hidden: then the next one is
-constexpr std::size_t kRemembered = 32;  // newborn strokes that one is compared with
+constexpr double kMostOwed = 4;          // strokes still to be hidden at which the next one always is
+constexpr std::size_t kRemembered = 32;  // newborn strokes that the next one is compared with
 
 }  // namespace
 
@@ -24,8 +24,8 @@ std::vector<graph::Patch> patches_of(const SeenClip& clip, int t, const PatchSet
   return patches;
 }
 
-/// How badly these patches can be hidden, grey levels: how unlike its surroundings what hides them looks, and
-/// what they part. The border between two things cannot be hidden.
+/// Returns the cost of hiding these patches, grey levels: the difference between what hides them and its
+/// surroundings, and the difference between their two sides. The border between two things cannot be hidden.
 double HidingChoice::misfit(int t, const PatchSet& vertices) const {
   const auto patches = patches_of(*clip_, t, vertices);
   double parted = 0;

@@ -15,19 +15,19 @@ namespace emberfold::pipeline {
 /// Patches of a frame by their vertex indices.
 using PatchSet = std::vector<std::uint32_t>;
 
-/// Chooses which strokes of a clip are hidden: of those that may be, the ones whose absence is least visible.
+/// Chooses the strokes of a clip to hide: of those allowed, the ones whose absence is least visible.
 class HidingChoice {
  public:
-  static constexpr int kTries = 24;  ///< sets of which the one that can be hidden best is chosen
+  static constexpr int kTries = 24;  ///< maximum number of sets compared
 
   explicit HidingChoice(std::shared_ptr<const SeenClip> clip) : clip_(std::move(clip)) {}
 
-  /// Decides whether a stroke born in frame t is hidden: of all of them the share 1 − `births`, and of those
-  /// born one after the other the ones that can be hidden best.
+  /// Decides whether a stroke born in frame t is hidden: the share 1 − `births` of all, and of successive
+  /// births those that can be hidden best.
   [[nodiscard]] bool leaves_out(int t, const PatchSet& stroke, double births);
-  /// Begins anew, as before the first stroke.
+  /// Returns to the state before the first stroke.
   void forget() { owed_ = 0, misfits_.clear(); }
-  /// Returns the one of up to kTries of the sets of frame t that can be hidden best, if any is there.
+  /// Returns, of up to kTries sets of frame t, the one that can be hidden best; nothing without sets.
   [[nodiscard]] std::optional<PatchSet> least_visible(int t, std::vector<PatchSet> sets,
                                                       core::Rng& rng) const;
 
@@ -36,7 +36,7 @@ class HidingChoice {
 
   std::shared_ptr<const SeenClip> clip_;
   double owed_ = 0;              // births that are still to be left out
-  std::vector<double> misfits_;  // of hiding the strokes born last
+  std::vector<double> misfits_;  // misfits of hiding the most recent births
 };
 
 /// Returns patches of frame t.

@@ -15,16 +15,16 @@ namespace {
 
 using graph::Point;
 
-constexpr int kLives = 4, kMostLives = 16;  // of which the most fitting is taken; more only until one fits:
-constexpr double kFits = 8;                 // grey levels; else all would lie where the frame is dark
-constexpr int kPlaces = 16;                 // of each
-constexpr double kJitter = 8;               // px, SD: from where a stroke lived to where it lives again
-constexpr int kApart = 8;                   // frames between a stroke's life and its life again, at least
-constexpr double kCrowd = 30;               // grey levels that another stroke at its place counts for
+constexpr int kLives = 4, kMostLives = 16;  // candidates compared; more only until one fits:
+constexpr double kFits = 8;                 // grey levels; otherwise all would be where the frame is dark
+constexpr int kPlaces = 16;                 // per candidate
+constexpr double kJitter = 8;               // px, SD: from a stroke's place to that of its repetition
+constexpr int kApart = 8;                   // frames between a stroke's life and its repetition, at least
+constexpr double kCrowd = 30;               // grey levels of misfit for another stroke at its place
 constexpr std::size_t kCompared = 10;       // patches whose surroundings are compared
-constexpr int kAhead = 8;  // frames, at most, from the birth to when they are compared once more
+constexpr int kAhead = 8;                   // frames, at most, from the birth to the second comparison
 
-/// Mean over the patches that a stroke has at an age, grey levels, on the frame that is shown then.
+/// Returns the mean misfit over a stroke's patches at an age, grey levels, on the frame shown then.
 double misfit_at(const SeenClip& clip, int shown, const StrokeLife& life, int age, Point offset) {
   const auto& graph = clip.graph(life.first + age);
   const auto& patches = life.patches[static_cast<std::size_t>(age)];
@@ -40,7 +40,7 @@ double misfit_at(const SeenClip& clip, int shown, const StrokeLife& life, int ag
   return sum / std::max(1, count);
 }
 
-/// The mean of a stroke as it is born, and half way through its life.
+/// Returns the mean misfit of a stroke at its birth and half way through its life.
 double misfit(const SeenClip& clip, int t, const StrokeLife& life, Point offset) {
   const int later = std::min(static_cast<int>(life.patches.size()) / 2, kAhead);
   return 0.5 * (misfit_at(clip, t, life, 0, offset) +

@@ -9,15 +9,16 @@
 
 namespace emberfold::pipeline {
 
-/// A stroke of a clip that is to live once more.
+/// A stroke of a clip that is to be repeated.
 struct LifeAgain {
-  const StrokeLife* life = nullptr;  ///< of the clip's
+  const StrokeLife* life = nullptr;  ///< of SeenClip::lives()
   graph::Point offset;               ///< px, from where it lived
 };
 
-/// Finds a stroke that fits where and when it is born: of some lives of other times, near where they were, or
-/// with `births` at places drawn from that map, the one whose surroundings look most like those of frame t
-/// there, with no stroke at its place. Nothing where the clip has no such life.
+/// Finds a stroke of another time that fits where and when it is to be born.
+/// Candidates are some lives near their own places or, with `births`, at places drawn from that map; chosen
+/// is the one whose surroundings look most like those of frame t there, with no stroke at its place. Nothing
+/// where the clip has no such life.
 std::optional<LifeAgain> find_life_again(const SeenClip& clip, int t,
                                          const std::optional<mcmc::CellMap>& births, core::Rng& rng);
 

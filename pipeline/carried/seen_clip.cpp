@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kShortestLife = 4;  // frames
 constexpr int kStillFrames = 20;
-constexpr double kStillRange = 3;  // px: what a camera trembles
+constexpr double kStillRange = 3;  // px: the tremor of a camera
 
 std::vector<StrokeLife> born_strokes(const graph::MotionGraph& strokes,
                                      const std::vector<std::vector<graph::TracedEvent>>& events) {
@@ -41,7 +41,7 @@ std::vector<StrokeLife> born_strokes(const graph::MotionGraph& strokes,
   return lives;
 }
 
-/// How far a patch moves over time across its curve; along it patches slide although nothing moves.
+/// Displacement of a patch over time across its curve; along it patches slide although nothing moves.
 struct Track {
   graph::Point last;
   double across = 0, least = 0, most = 0;  // px

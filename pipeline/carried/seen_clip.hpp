@@ -12,16 +12,16 @@
 
 namespace emberfold::pipeline {
 
-/// A stroke that was seen from its birth on, with its patches in each frame until it ended or changed.
+/// A stroke of the clip from its birth on, with its patches in each frame until it ended or changed.
 struct StrokeLife {
   int first = 0;                                    ///< frame
   std::vector<std::vector<std::uint32_t>> patches;  ///< by frame: vertex indices, ascending
 };
 
-/// A clip's frames with the strokes seen in them, and what is looked up in these.
+/// A clip's frames with their strokes, and look-ups in both.
 class SeenClip {
  public:
-  /// `frames`: CV_8U, 1 or 3 channels; `strokes`: identified, of as many frames of that size.
+  /// `frames`: CV_8U, 1 or 3 channels; `strokes`: identified, of the same number of frames of that size.
   /// Throws core::InputError where they disagree.
   SeenClip(std::vector<cv::Mat> frames, graph::MotionGraph strokes);
 
@@ -32,22 +32,22 @@ class SeenClip {
   [[nodiscard]] const graph::AttributeGraph& graph(int t) const {
     return strokes_.sketch.frames[static_cast<std::size_t>(t)];
   }
-  /// Returns for each vertex of frame `to` the index of the one it continues in frame `from`, or −1. Frames
-  /// that are no neighbours are matched. O(vertices log vertices).
+  /// Returns for each vertex of frame `to` the index of the vertex that it continues in frame `from`, or −1.
+  /// Matches frames that are not neighbours. O(vertices log vertices).
   [[nodiscard]] std::vector<int> continued(int from, int to) const;
   /// Returns the events between frame t − 1 and t ≥ 1, with the patches that appeared or vanished.
   [[nodiscard]] const std::vector<graph::TracedEvent>& events(int t) const {
     return events_[static_cast<std::size_t>(t)];
   }
-  /// Strokes of at least four frames that were born in the clip.
+  /// Returns the strokes of at least four frames that were born in the clip.
   [[nodiscard]] const std::vector<StrokeLife>& lives() const { return lives_; }
-  /// Returns whether a patch of frame t lies within kNear px of a place.
+  /// Returns whether a patch of frame t is within kNear px of a place.
   [[nodiscard]] bool occupied(int t, graph::Point place) const {
     return !places_[static_cast<std::size_t>(t)].find_near(place).empty();
   }
   static constexpr double kNear = 5;
-  /// Returns whether a patch belongs to what stands still: over 20 frames and more it moves by
-  /// less than 3 px across its curve.
+  /// Returns whether a patch belongs to something that stands still: over 20 frames and more it moves by less
+  /// than 3 px across its curve.
   [[nodiscard]] bool stands_still(int t, std::uint32_t vertex) const {
     return still_[static_cast<std::size_t>(t)][vertex];
   }

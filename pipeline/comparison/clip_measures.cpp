@@ -18,9 +18,9 @@ namespace {
 // The lengths below were chosen for clips of some tens to some hundreds of frames.
 constexpr int kMostLags = 16;            // frames
 constexpr int kMostCloseFrames = 50;     // whose optical flow and crease sharpness are measured
-constexpr int kFlowStride = 3;           // px between the vectors of a flow that are counted
-constexpr double kMostPixels = 1 << 18;  // that a spectrum in time is taken at
-// References below these count as these, so that clips of nothing do not divide by 0.
+constexpr int kFlowStride = 3;           // px between the flow vectors that are counted
+constexpr double kMostPixels = 1 << 18;  // at which a spectrum in time is computed
+// References below these are replaced by them, to avoid dividing by 0 for empty clips.
 constexpr double kLeastLevels = 0.5;      // grey levels, of SI and TI
 constexpr double kLeastSharpness = 1e-3;  // 1/px
 
@@ -40,7 +40,8 @@ cv::Mat sample_pixels(const cv::Mat& luma, int stride) {
   return out;
 }
 
-// Returns by what share a value differs from the reference, which counts as `least` where it is smaller.
+// Returns the difference of a value from the reference, as a share of the reference or of `least` if that is
+// greater.
 double relative_difference(double value, double reference, double least) {
   return std::abs(value - reference) / std::max(reference, least);
 }

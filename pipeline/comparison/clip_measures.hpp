@@ -16,7 +16,7 @@
 
 namespace emberfold::pipeline {
 
-/// Holds the lengths of the measured curves, which have to agree in clips that are compared.
+/// Holds the lengths of the measured curves; they must agree in clips that are compared.
 struct MeasureScale {
   int segment = 4;  ///< frames in a segment of the spectrum in time
   int lags = 1;     ///< frames, the longest lag of the autocorrelation
@@ -34,7 +34,7 @@ std::vector<cv::Mat> levels_to_luma(std::span<const cv::Mat> levels);
 struct PixelFigures {
   double crease_sharpness = 0;  ///< 1/px, mean over frames
   double crease_gradient = 0;   ///< levels/px, mean over frames
-  double si = 0, mean_si = 0;   ///< ITU-T P.910 SI: the largest of all frames (as P.910 asks), and the mean
+  double si = 0, mean_si = 0;   ///< ITU-T P.910 SI: maximum over frames, as P.910 defines it, and mean
   double ti = 0, mean_ti = 0;   ///< ITU-T P.910 TI, likewise
 
   bool operator==(const PixelFigures&) const = default;
@@ -42,8 +42,8 @@ struct PixelFigures {
 
 /// Holds the curves of a clip that its distances are taken between.
 struct MeasureCurves {
-  std::vector<double> temporal_db;  ///< power, dB, at k / segment cycles a frame, k = 1 … segment / 2
-  std::vector<double> radial_db;  ///< power, dB, in ring i = 1 … rings, up to i / (2 rings) cycles a pixel
+  std::vector<double> temporal_db;  ///< power, dB, at k / segment cycles per frame, k = 1 … segment / 2
+  std::vector<double> radial_db;  ///< power, dB, in ring i = 1 … rings, up to i / (2 rings) cycles per pixel
   std::vector<double> autocorrelation;  ///< at lags of 1 … `lags` frames
 
   bool operator==(const MeasureCurves&) const = default;
@@ -55,8 +55,8 @@ struct PixelDistances {
   double radial_db = 0;         ///< dB, between the spectra in space
   double autocorrelation = 0;   ///< RMS difference of the autocorrelations
   double patterns = 0;          ///< chi-square distance of the binary patterns (LBP-TOP), 0…1
-  double flow_px = 0;           ///< px a frame, Wasserstein distance of the optical flows
-  double crease_sharpness = 0;  ///< share of the reference's: 0.1 is a tenth more or less
+  double flow_px = 0;           ///< px per frame, Wasserstein distance of the optical flows
+  double crease_sharpness = 0;  ///< share of the reference's: 0.1 means 10 % more or less
   double si = 0;                ///< share of the reference's mean SI
   double ti = 0;                ///< share of the reference's mean TI
 
@@ -64,9 +64,9 @@ struct PixelDistances {
 };
 
 /// Gathers all pixel measures of a clip, frame by frame.
-/// Frames above 2^18 pixels give the spectrum in time and the autocorrelation at every second, third … pixel
-/// each way, which bounds the memory. Optical flow and crease sharpness are measured at some fifty frames at
-/// most, spread over the `frames` that are announced.
+/// Frames above 2^18 pixels are subsampled for the spectrum in time and the autocorrelation, every second,
+/// third … pixel each way, to bound the memory. Optical flow and crease sharpness are measured at about fifty
+/// frames at most, spread over the announced `frames`.
 class ClipMeasures {
  public:
   ClipMeasures(cv::Size size, const MeasureScale& scale, int frames);
@@ -112,14 +112,14 @@ struct SourceMeasures {
   void add(std::span<const cv::Mat> luma, const core::Context& context);
 };
 
-/// Describes a distance to a reader; `key` is its name in measures.json.
+/// Describes a distance for display; `key` is its name in measures.json.
 struct MeasureDescription {
   const char *key, *name, *unit, *about;
 };
 /// Returns the distances of PixelDistances, in the order of its fields.
 std::span<const MeasureDescription> pixel_measures();
 
-/// Measures the distances of a clip from a reference that was gathered on the same scale.
+/// Measures the distances of a clip from a reference gathered on the same scale.
 PixelDistances pixel_distances(const ClipMeasures& clip, const ClipMeasures& reference);
 
 }  // namespace emberfold::pipeline

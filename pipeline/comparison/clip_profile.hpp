@@ -26,24 +26,24 @@ struct ClipProfile {
 struct ClipDistances {
   PixelDistances pixels;
   std::optional<StrokeDistances> strokes;  ///< none where strokes were not sought
-  std::optional<VisibleFigures> visible;   ///< none of the noise floor
+  std::optional<VisibleFigures> visible;   ///< none for the noise floor
 
   bool operator==(const ClipDistances&) const = default;
 };
 
 using OptionalStrokes = std::optional<mcmc::StrokeStatistics>;
 
-/// Returns the profile of a clip that was gathered.
+/// Returns the profile of a clip from its gathered measures.
 ClipProfile clip_profile(const ClipMeasures& pixels, const OptionalStrokes& strokes);
 
-/// Measures the distances of a clip from a reference; those of strokes where both are known.
+/// Measures the distances of a clip from a reference; those of strokes only where both are known.
 ClipDistances clip_distances(const ClipMeasures& pixels, const OptionalStrokes& strokes,
                              const ClipMeasures& reference, const OptionalStrokes& reference_strokes);
 
 /// Measures the distances of a source's first half from its second. `strokes`: of all its frames, or null.
 ClipDistances noise_floor(const SourceMeasures& source, const mcmc::StrokeSeries* strokes);
 
-/// Reads a source's next frames as levels, at most so many. Throws core::Cancelled.
+/// Reads a source's next frames as levels, at most `most`. Throws core::Cancelled.
 std::vector<cv::Mat> next_levels(core::FrameSource& source, int most, const core::Context& context);
 
 }  // namespace emberfold::pipeline

@@ -20,7 +20,7 @@ constexpr std::array<MeasureDescription, 3> kStrokeMeasures{{
     {"stroke_length", "Stroke length", "ln ratio", "px of curve in a stroke"},
 }};
 
-constexpr double kHalfEvent = 0.5;  // added to counts, so that a class without an event has a logarithm
+constexpr double kHalfEvent = 0.5;  // added to counts, so that an empty class has a logarithm
 
 bool lies_inside(double value, const mcmc::RateInterval& interval) {
   return interval.low <= value && value <= interval.high;

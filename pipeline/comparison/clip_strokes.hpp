@@ -26,7 +26,7 @@ class ClipStrokes {
 
   /// Sketches the next frames' levels, CV_32F, 1 or 3 channels. Throws core::Cancelled.
   void add(std::span<const cv::Mat> levels, const core::Context& context);
-  /// Matches all frames so far bottom up. Throws core::Cancelled.
+  /// Matches all frames so far, bottom-up. Throws core::Cancelled.
   [[nodiscard]] graph::MotionGraph motion(const core::Context& context) const;
   /// Matches all frames so far and counts the events of their strokes. Throws core::Cancelled.
   [[nodiscard]] mcmc::StrokeSeries series(const core::Context& context) const;
@@ -42,7 +42,7 @@ class ClipStrokes {
   graph::SketchSequence sketch_;
 };
 
-/// Matches the strokes of frames that are sketched already. Throws core::Cancelled.
+/// Matches the strokes of frames that are already sketched. Throws core::Cancelled.
 graph::MotionGraph match_strokes(graph::SketchSequence sketch, const graph::MatchOptions& match,
                                  const core::Context& context);
 /// Matches the strokes and counts their events. Throws core::Cancelled.
@@ -54,10 +54,10 @@ mcmc::StrokeSeries select_frames(const mcmc::StrokeSeries& series, int first, in
 
 /// Holds the distances of a clip's strokes from those of a reference.
 struct StrokeDistances {
-  /// RMS over the six classes of ln (rate / reference's rate), half an event added to each count.
+  /// RMS over the six classes of ln (rate / reference's rate), with half an event added to each count.
   double event_rates = 0;
   std::optional<double> lifetime, length;  ///< |ln (mean / reference's mean)|; none where either has none
-  /// True where the clip's mean lies in the 95 % interval of the reference's; of rates by graph::EventType.
+  /// True where the clip's mean is in the 95 % interval of the reference's; of rates by graph::EventType.
   std::array<bool, 6> rate_inside{};
   bool lifetime_inside = false, length_inside = false;
 

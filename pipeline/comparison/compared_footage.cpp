@@ -17,8 +17,8 @@ namespace emberfold::pipeline {
 
 namespace {
 
-/// Finds the jump back with the least cost that leaves a run of at least a third of the frames: its first and
-/// last frame.
+/// Returns the first and last frame of the loop whose jump back costs least, among loops of at least a third
+/// of the frames.
 std::pair<int, int> find_loop(const LikeMoments& moments) {
   const int n = moments.frames;
   std::pair<int, int> best{0, n - 1};
@@ -39,7 +39,7 @@ std::optional<ComparedModel> footage_model(const TrainingInput& input, const Kno
     core::ClipRange learned_part(input.source, 0, input.learned_frames);
     const auto prediction = std::make_shared<const CarriedPrediction>(
         learn_carried_prediction(learned_part, input.steps, input.context));
-    // Like the other models' clips, this one is drawn from the whole clip where models of it are known.
+    // Like those of the other models, this clip is drawn from the whole clip where models of it are known.
     core::ClipRange drawn_part(input.source, 0,
                                known.motion_model != nullptr ? input.frames : input.learned_frames);
     const auto frames = std::make_shared<const std::vector<cv::Mat>>(

@@ -17,30 +17,30 @@ namespace emberfold::pipeline {
 
 /// Holds the newest frames of a clip, from which others are predicted.
 struct PastFrames {
-  int frame = 0;                    ///< the newest one's number, from the clip's first
-  std::span<const cv::Mat> levels;  ///< up to and with that frame, CV_32F, at least two
+  int frame = 0;                    ///< the newest frame's number in the clip, from 0
+  std::span<const cv::Mat> levels;  ///< up to and including that frame, CV_32F, at least two
 };
 
 /// Holds a model of a clip as a comparison uses it.
 /// begin_clip, predict and reconstruct may be called on several threads at once.
 struct ComparedModel {
   using NextFrames = std::function<std::vector<cv::Mat>(int count)>;
-  std::string key, label;  ///< its name to programs; to read
-  double parameters = 0;   ///< numbers that it holds
+  std::string key, label;  ///< name for programs; for display
+  double parameters = 0;   ///< numbers in the model
   /// Begins a new clip and returns the function that draws its next frames, CV_8U.
   std::function<NextFrames()> begin_clip = {};
-  /// Predicts the frames so many steps (ascending, of TrainingInput's) ahead: levels, or CV_8U. Empty for a
-  /// model that does not predict.
+  /// Predicts the frames at each number of steps ahead (ascending, those of TrainingInput): levels, or CV_8U.
+  /// Empty for a model that does not predict.
   std::function<std::vector<cv::Mat>(const PastFrames&, std::span<const int> steps)> predict = {};
-  /// Draws the newest frame as the model reconstructs it. Empty for a model without reconstruction.
+  /// Draws the newest frame as reconstructed by the model. Empty for a model without reconstruction.
   std::function<cv::Mat(const PastFrames&)> reconstruct = {};
 };
 
 /// Holds the data that models are learned from.
 struct TrainingInput {
   core::FrameSource& source;
-  int frames = 0, learned_frames = 0;  ///< of the clip; of its first part, which models learn from
-  std::span<const int> steps;          ///< ahead that models are to predict
+  int frames = 0, learned_frames = 0;  ///< of the clip; of its first part, which models are learned from
+  std::span<const int> steps;          ///< ahead that models predict
   const SketchedClip& sketched;
   const CompareOptions& options;
   std::uint64_t seed = 1;
@@ -51,7 +51,7 @@ struct TrainingInput {
 /// A model that cannot be learned from this clip is left out, with a warning. Throws core::Cancelled.
 std::vector<ComparedModel> learn_models(const TrainingInput& input, const KnownModels& known);
 
-/// Holds the motion model of a clip, and all else that drawing and predicting need.
+/// Holds the motion model of a clip, and everything else that drawing and predicting need.
 struct StrokeModel;
 /// Learns the motion model of the clip's first part. Null, with a warning, where that fails.
 std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, const KnownModels& known);
@@ -61,19 +61,19 @@ ComparedModel sketch_model(const std::shared_ptr<const StrokeModel>& strokes, st
 /// Learns a linear dynamic texture with the strokes hidden, and returns the model of both together.
 std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const StrokeModel>& strokes,
                                           const TrainingInput& input);
-/// Learns a linear dynamic texture of so many components from frames reduced by `scale` (0 … 1].
+/// Learns a linear dynamic texture with `components` components from frames reduced by `scale` (0 … 1].
 std::optional<ComparedModel> texture_model(const TrainingInput& input, const KnownModels& known,
                                            int components, double scale = 1);
-/// Learns to predict by motion, and returns the model of new clips made of the clip's own frames.
+/// Learns to predict by motion, and returns the model that makes new clips of the clip's own frames.
 std::optional<ComparedModel> footage_model(const TrainingInput& input, const KnownModels& known);
-/// Returns the clip's first part itself, played again and again from its likest moments on (a video texture):
-/// a peer that looks real and has nothing new.
+/// Returns the clip's first part itself, repeated from its most similar frames (a video texture): a baseline
+/// that looks real and contains nothing new.
 ComparedModel loop_model(const TrainingInput& input);
 /// Learns a spatio-temporal auto-regression; `reach` as in dytex::StarOptions.
 std::optional<ComparedModel> star_model(const TrainingInput& input, int reach);
 
-/// Returns make(), or nothing, with a warning that begins with `none`, where that fails.
-/// Failures are core::InputError and core::NumericalError.
+/// Returns make(), or nothing with a warning that begins with `none` where that fails with core::InputError
+/// or core::NumericalError.
 template <class Make>
 auto learn_or_warn(const std::string& none, const core::Context& context, const Make& make)
     -> std::optional<decltype(make())> {

@@ -26,16 +26,16 @@
 namespace emberfold::pipeline {
 
 struct StrokeModel {
-  mcmc::MotionModel model, drawn;                           // learned; drawn from
+  mcmc::MotionModel model, drawn;                           // learned; for drawing
   sketch::Background ground, drawn_ground;                  // likewise
   std::vector<graph::AttributeGraph> sketches;              // of every frame
-  std::map<int, std::vector<graph::AttributeGraph>> ahead;  // by steps: of every frame, forepredicted
+  std::map<int, std::vector<graph::AttributeGraph>> ahead;  // by steps: the predicted graph for every frame
   sketch::FillOptions fill;
   core::ClipInfo info;
-  float level = 0;                // of a drawn frame with nothing in it
+  float level = 0;                // of a drawn frame without content
   sketch::Sharpening sharpening;  // of drawn clips
 
-  // The graph expected `steps` frames on; of 0 the frame's own.
+  // Returns the graph expected `steps` frames later; for 0 the frame's own.
   [[nodiscard]] const graph::AttributeGraph& graph(const PastFrames& past, int steps) const {
     const auto& all = steps == 0 ? sketches : ahead.at(steps);
     return all[static_cast<std::size_t>(past.frame + steps)];
@@ -43,7 +43,7 @@ struct StrokeModel {
   [[nodiscard]] sketch::RenderOptions look(float empty_level, const sketch::Background& around) const {
     return {{info.width, info.height}, info.channels, empty_level, fill, around};
   }
-  // Options of a clip that is drawn.
+  // Returns the options for drawing a clip.
   [[nodiscard]] sketch::RenderOptions drawn_look() const {
     return sketch::apply_sharpening(look(level, drawn_ground), sharpening);
   }
@@ -58,7 +58,7 @@ graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int coun
 }
 
 cv::Mat draw_strokes(const StrokeModel& strokes, const PastFrames& past, int steps) {
-  // A place without strokes gets the mean level of the newest frame.
+  // A frame without strokes gets the mean level of the newest frame there.
   const auto level = static_cast<float>(cv::mean(core::luma(past.levels.back()))[0]);
   return sketch::render_frame(strokes.graph(past, steps), strokes.look(level, strokes.ground));
 }
@@ -68,8 +68,8 @@ float mean_level(core::FrameSource& source) {
   return static_cast<float>(cv::mean(core::luma(source.next(), source.info()))[0]);
 }
 
-// The texture's numbers that show best what lies between a frame's strokes. What they hide is taken as the
-// texture has it, and the projection repeated: it comes to the least squares over what is seen.
+// Returns the texture's state that best fits the pixels between a frame's strokes. Hidden pixels are filled
+// from the texture and the projection is repeated; this converges to least squares over the visible pixels.
 Eigen::VectorXd state_between(const dytex::LinearDynamicTexture& texture, const cv::Mat& levels,
                               const graph::AttributeGraph& graph) {
   constexpr int kRounds = 5;
@@ -83,7 +83,7 @@ Eigen::VectorXd state_between(const dytex::LinearDynamicTexture& texture, const 
   return dytex::expected_state(texture, state);
 }
 
-// Draws the frames so many steps (ascending; 0: itself) after the newest one.
+// Draws the frames at each number of steps (ascending; 0: itself) after the newest one.
 std::vector<cv::Mat> draw_hybrid(const StrokeModel& strokes, const dytex::LinearDynamicTexture& texture,
                                  const PastFrames& past, std::span<const int> steps) {
   const auto& levels = past.levels.back();
@@ -142,7 +142,7 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
   try {
     mcmc::FitOptions options;
     options.seed = input.seed;
-    options.calibrate = known.motion_model == nullptr;  // it serves drawing alone
+    options.calibrate = known.motion_model == nullptr;  // the correction serves drawing alone
     const auto motion =
         match_strokes(first_frames(sketch, input.learned_frames), input.options.match, context);
     auto fitted = mcmc::fit(motion, options, context);
@@ -158,7 +158,7 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
     return nullptr;
   }
   if (input.learned_frames < input.frames) {
-    // Flicker removal uses later frames, which a prediction must not.
+    // Flicker removal uses later frames, which a prediction must not see.
     auto causal = input.options.match;
     causal.flicker = 0;
     const auto motion = match_strokes(sketch, causal, context);

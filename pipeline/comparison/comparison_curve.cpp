@@ -14,10 +14,10 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kMostFrames = 128;      // of a drawn clip that is measured
-constexpr int kBatch = 16;            // frames that are held at once
-constexpr double kMostSpacing = 100;  // px, that a sketch takes
-constexpr double kEqual = 1000;       // qualities that agree in so many parts of a dB count as equal
+constexpr int kMostFrames = 128;      // of a drawn clip that are measured
+constexpr int kBatch = 16;            // frames that are in memory at once
+constexpr double kMostSpacing = 100;  // px, the maximum for a sketch
+constexpr double kEqual = 1000;       // qualities equal after rounding to 1/1000 dB are ties
 
 std::string reduced_text(double scale) {
   return scale < 1 ? ", frames reduced to 1/" + std::to_string(static_cast<int>(1 / scale)) : "";
@@ -56,7 +56,8 @@ SizeCurvePoint measure_point(const ComparedModel& model, const std::string& size
   return point;
 }
 
-// True if `a` predicts better than `b` or, with nothing held out, draws the nearer spectrum in time.
+// Returns whether `a` predicts better than `b` or, without held-out frames, draws the closer spectrum in
+// time.
 bool is_better(const SizeCurvePoint& a, const SizeCurvePoint& b) {
   const auto steps = [](double value) { return std::round(value * kEqual); };
   return a.next_frame && b.next_frame ? steps(a.next_frame->psnr) > steps(b.next_frame->psnr)

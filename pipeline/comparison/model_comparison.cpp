@@ -13,7 +13,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kFramesAtOnce = 16;  // frames of each clip that are held at once
+constexpr int kFramesAtOnce = 16;  // frames of each clip in memory at once
 constexpr int kFewestLearned = 4;  // frames that models learn from
 
 // A model's clip while it is drawn.
@@ -66,7 +66,7 @@ std::vector<cv::Mat> draw_frames(DrawnClip& clip, int count, bool with_strokes,
   return frames;
 }
 
-// Runs through the clip and the models' clips together, a batch at a time.
+// Draws all clips together with the source, a batch at a time.
 void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, const core::Context& context,
               const CompareObserver& observer) {
   const int frames = drawing.source.frames, all = std::max(frames, drawing.drawn_frames);

@@ -21,9 +21,9 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kMostStarts = 32;   // that frames are predicted from: bounds the time
-constexpr int kStartsAtOnce = 8;  // starts that are worked on at once
-constexpr int kPast = 2;          // frames that a model sees
+constexpr int kMostStarts = 32;   // from which frames are predicted: bounds the time
+constexpr int kStartsAtOnce = 8;  // starts in one parallel batch
+constexpr int kPast = 2;          // frames that a model gets
 
 struct FrameError {
   double square = 0, similarity = 0;
@@ -31,7 +31,7 @@ struct FrameError {
 // By method and step; the last column: the newest frame itself, reconstructed.
 using StartErrors = std::vector<std::vector<std::optional<FrameError>>>;
 
-// Rounds levels as a frame of bytes does.
+// Rounds levels to bytes.
 cv::Mat round_to_bytes(const cv::Mat& frame) {
   cv::Mat out;
   (frame.depth() == CV_8U ? frame : core::to_bytes(frame)).convertTo(out, CV_32F);
@@ -44,7 +44,7 @@ FrameError frame_error(const cv::Mat& made, const cv::Mat& truth) {
           dytex::structural_similarity(core::luma(levels), core::luma(truth))};
 }
 
-// Returns the models, and before them two methods that need none.
+// Returns the models, preceded by two methods without a model.
 std::vector<ComparedModel> add_baselines(const cv::Mat& mean, std::span<const ComparedModel> models) {
   std::vector<ComparedModel> methods(2);
   methods[0].key = "frame_before";
@@ -60,7 +60,7 @@ std::vector<ComparedModel> add_baselines(const cv::Mat& mean, std::span<const Co
   return methods;
 }
 
-// Holds the frames of a clip around the starts that are worked on.
+// Holds the frames of a clip around the current starts.
 class FrameWindow {
  public:
   FrameWindow(core::FrameSource& source, int first, int frames, const core::Context& context)

@@ -30,9 +30,9 @@ constexpr int kBasePatches = 30'000, kPatches = 1'500, kComponents = 16;
 constexpr std::uint32_t kPatchStream = 0x70617463;       // of the random stream
 constexpr double kFastest = 0.95;                        // quantile of the speeds
 constexpr int kMostFlows = 50;                           // pairs of frames whose flow is measured
-constexpr double kMostApart = 1.0986, kPatchWeight = 3;  // ln 3; by eye (VisibleFigures::apart)
-constexpr std::size_t kCopiedEvery = 5;                  // frames: where copied pixels are counted
-// Below these a source counts as still, and a clip as it: px, levels², levels, levels.
+constexpr double kMostApart = 1.0986, kPatchWeight = 3;  // ln 3; chosen visually (VisibleFigures::apart)
+constexpr std::size_t kCopiedEvery = 5;                  // frames between two whose copied pixels are counted
+// Values below these count as still: px, levels², levels, levels.
 constexpr double kLeastFlow = 0.01, kLeastVariance = 0.25, kLeastDifference = 0.1, kLeastDistance = 0.1;
 
 cv::Mat deviation_over_time(const std::vector<cv::Mat>& clip, cv::Mat* variance = nullptr) {

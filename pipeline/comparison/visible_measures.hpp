@@ -13,25 +13,27 @@
 
 namespace emberfold::pipeline {
 
-/// Holds what a person sees of a drawn clip beside its source, where the source moves.
+/// Holds the visible differences of a drawn clip from its source, where the source moves.
 struct VisibleFigures {
-  /// Distance of the source's patches of 3 frames and 7×7 px to the nearest ones of the clip, over that to
-  /// the nearest of the source's first half: 1 as that, above 1 the clip lacks what the source shows.
+  /// Distance of the source's patches of 3 frames and 7×7 px to the nearest ones of the clip, divided by that
+  /// to the nearest of the source's first half: above 1 the clip lacks something that the source shows.
   double complete = 0;
-  /// Distance of the clip's patches to the nearest ones of the source, over the same: above 1 the clip shows
-  /// what the source does not. With `complete`, the two sides of Simakov et al. 2008's similarity.
+  /// Distance of the clip's patches to the nearest ones of the source, with the same divisor: above 1 the
+  /// clip shows something that the source does not. With `complete`, the two terms of Simakov et al. 2008's
+  /// similarity.
   double coherent = 0;
   double flow = 0;        ///< 95th percentile of the speed of optical flow, share of the source's
   double variance = 0;    ///< over time, share of the source's
-  double difference = 0;  ///< mean difference of neighbouring frames, share of the source's
-  double copied = 0;  ///< 0…1, of pixels within 2 levels of those of one frame of the source (CopiedShare)
+  double difference = 0;  ///< 0…1, share of pixels within 2 levels of one source frame (CopiedShare)
+  double copied =
+      0;  ///< 0…1, share of pixels within 2 levels of those of one frame of the source (CopiedShare)
 
-  /// Tells whether flow, variance and difference all lie within 0.7…1.4.
+  /// Returns whether flow, variance and difference are all in 0.7…1.4.
   [[nodiscard]] bool moves_alike() const;
 
-  /// Returns how far the clip is from the source to the eye, 0 being not at all: the root of the squared
-  /// natural logarithms of flow, variance and difference, each at most ln 3, and of three times those of
-  /// `complete` and `coherent` above 1.
+  /// Returns the visible distance of the clip from the source, ≥ 0: the root of the squared natural
+  /// logarithms of flow, variance and difference, each at most ln 3, and of three times those of `complete`
+  /// and `coherent` above 1.
   [[nodiscard]] double apart() const;
 
   bool operator==(const VisibleFigures&) const = default;
@@ -40,7 +42,7 @@ struct VisibleFigures {
 /// Returns the figures of VisibleFigures, in the order of its fields.
 std::span<const MeasureDescription> visible_measures();
 
-/// Returns the picture by which a frame's luma (CV_32F) is measured: CV_8U, half its size, and at most 2^16
+/// Returns the picture on which a frame's luma (CV_32F) is measured: CV_8U, half its size, and at most 2^16
 /// px.
 cv::Mat visible_picture(const cv::Mat& luma);
 
@@ -51,7 +53,7 @@ class VisibleMeasures {
   /// Number of a clip's first frames that are measured.
   static constexpr std::size_t kMostFrames = 200;
 
-  /// `source`: visible_pictures of at least 8 frames. Takes some 0.1 s a thousand patches.
+  /// `source`: visible_pictures of at least 8 frames. Takes about 0.1 s per thousand patches.
   VisibleMeasures(std::vector<cv::Mat> source, const core::Context& context);
 
   /// Measures a clip of at least 3 visible_pictures; reduces them to the source's size. The same at any
@@ -68,10 +70,10 @@ class VisibleMeasures {
 
   std::vector<cv::Mat> source_;
   cv::Mat1b moves_;
-  std::vector<cv::Point> places_;  // patches' middles
+  std::vector<cv::Point> places_;  // centres of the patches
   cv::Mat mean_, axes_;            // of patches
   cv::Mat all_, second_half_;      // the source's patches, in components
-  double base_ = 1;                // their distance to the first half's
+  double base_ = 1;                // their distance to the first half
   Motion motion_;
 };
 

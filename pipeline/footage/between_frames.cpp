@@ -13,8 +13,8 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr float kMixFrom = 0.35F, kMixTo = 0.65F;  // share of a frame's time at which the next one mixes in
-constexpr float kStill = 0.1F;                     // px: moved by less, pixels are copied
+constexpr float kMixFrom = 0.35F, kMixTo = 0.65F;  // share of a frame's time: the next one mixes in between
+constexpr float kStill = 0.1F;                     // px: pixels that move less are copied
 
 /// Samples a motion field of fewer vectors than the frame has pixels.
 cv::Vec2f motion_at(const cv::Mat& motion, float x, float y) {
@@ -28,7 +28,7 @@ std::array<float, 4> catmull_rom(float t) {
           t * t * (-0.5F + 0.5F * t)};
 }
 
-/// Adds `weight` times the frame's levels at (x, y) to `sum`; beyond the border are its last pixels.
+/// Adds `weight` times the frame's levels at (x, y) to `sum`; border pixels are replicated.
 template <int Channels>
 void add_levels(const cv::Mat& frame, float x, float y, float weight, std::array<float, Channels>& sum) {
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));

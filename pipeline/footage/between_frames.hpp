@@ -14,8 +14,8 @@ struct MovingFrame {
 
 /// Draws a frame whose pixels show the times `begin` + offsets, counted from frames[0] on: 0 to less than
 /// their number less 1.
-/// Between two frames the nearer one is moved along the motion, and mixed with the other half way between;
-/// what moves by less than 0.1 px is copied. `offsets`: frames, as many as there are pixels. O(pixels).
+/// Between two frames the nearer one is moved along the motion, and mixed with the other one half way
+/// between; pixels that move by less than 0.1 px are copied. `offsets`: frames, one per pixel. O(pixels).
 cv::Mat draw_between(std::span<const MovingFrame> frames, double begin, const cv::Mat1f& offsets);
 
 }  // namespace emberfold::pipeline

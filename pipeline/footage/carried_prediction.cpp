@@ -20,17 +20,17 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kWeightCell = 16;    // px: side of the cells that have weights of their own
-constexpr int kMostLearned = 24;   // that weights are learned from
-constexpr double kShared = 0.05;   // of a cell's own moments have those of the whole frame
+constexpr int kWeightCell = 16;    // px: side of the cells with weights of their own
+constexpr int kMostLearned = 24;   // starts from which weights are learned
+constexpr double kShared = 0.05;   // weight of the whole frame's moments relative to a cell's own
 constexpr double kSmooth = 2;      // px: SD of the smoothed candidate
-constexpr int kTracingRounds = 2;  // of finding where a pixel comes from
+constexpr int kTracingRounds = 2;  // iterations to find where a pixel comes from
 constexpr int kCandidates = 4;
 
 using Candidates = std::array<cv::Mat, kCandidates>;  // levels less the mean image
 using Moments = cv::Matx<double, kCandidates, kCandidates + 1>;
 
-/// Returns the motion into the newest frame, where things are in that frame: px a frame, CV_32FC2.
+/// Returns the motion into the newest frame, at the places in that frame: px per frame, CV_32FC2.
 cv::Mat motion_into(const cv::Mat& before, const cv::Mat& newest) {
   cv::Mat motion, a, b;
   before.convertTo(a, CV_8U);
@@ -39,7 +39,7 @@ cv::Mat motion_into(const cv::Mat& before, const cv::Mat& newest) {
   return -1 * motion;
 }
 
-/// Moves a frame on by `steps` times its motion.
+/// Moves a frame forward by `steps` times its motion.
 cv::Mat carry_on(const cv::Mat& frame, const cv::Mat& motion, int steps) {
   cv::Mat2f from(frame.size());
   for (int y = 0; y < from.rows; ++y)
@@ -82,7 +82,7 @@ void add_moments(const Candidates& candidates, const cv::Mat& truth, std::vector
   }
 }
 
-/// Solves for each cell's weights, drawn a little towards those of the whole frame.
+/// Solves for each cell's weights, regularised a little towards those of the whole frame.
 cv::Mat solve_weights(const std::vector<Moments>& cells, cv::Size grid) {
   Moments all = Moments::zeros();
   for (const auto& cell : cells) all += cell;
@@ -127,8 +127,8 @@ CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<
   const cv::Size grid = core::count_cells(model.mean.size(), kWeightCell);
   std::vector<std::vector<Moments>> moments(
       steps.size(), std::vector<Moments>(static_cast<std::size_t>(grid.area()), Moments::zeros()));
-  // Each half is learned from beside the other's mean image: its own would look nearer than that of the whole
-  // part is to frames to come.
+  // Each half is learned from with the other's mean image: its own would be closer than the mean of the whole
+  // part is to future frames.
   core::ClipRange first_half(source, 0, frames / 2), second_half(source, frames / 2, frames);
   const std::array<cv::Mat, 2> others{mean_image(second_half, context).levels,
                                       mean_image(first_half, context).levels};

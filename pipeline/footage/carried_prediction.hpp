@@ -11,25 +11,26 @@
 
 namespace emberfold::pipeline {
 
-/// Predicts frames from the newest ones of a clip: the frame moved on along its motion, that smoothed, the
-/// frame itself, and the one before, each less the mean image, added with weights that were learned by place.
+/// Predicts frames from the newest ones of a clip.
+/// A prediction is a weighted sum, with weights learned by place, of the newest frame moved along its motion,
+/// that smoothed, the frame itself, and the one before, each less the mean image.
 struct CarriedPrediction {
   std::vector<int> steps;        ///< frames ahead that can be predicted, ascending
   cv::Mat mean;                  ///< CV_32F, levels
-  std::vector<cv::Mat> weights;  ///< by step: CV_32FC4, a cell of 16 px each
+  std::vector<cv::Mat> weights;  ///< by step: CV_32FC4, one vector per cell of 16 px
 
-  /// Returns how many numbers it holds.
+  /// Returns the number of parameters.
   [[nodiscard]] double parameters() const;
 };
 
-/// Learns the weights by least squares from at most 24 starts in a clip, drawn towards those of the whole
-/// frame. Reads the clip twice and holds as many frames as the greatest step. Throws core::InputError for a
-/// clip with no frame to predict, core::Cancelled.
+/// Learns the weights by least squares from at most 24 starts in a clip, regularised towards those of the
+/// whole frame. Reads the clip twice and holds the greatest step's number of frames. Throws core::InputError
+/// for a clip with no frame to predict, core::Cancelled.
 CarriedPrediction learn_carried_prediction(core::FrameSource& source, std::span<const int> steps,
                                            const core::Context& context);
 
-/// Predicts the frames so many steps ahead, each one of model.steps, of the newest of `past`: levels
-/// (CV_32F), at least two.
+/// Predicts frames from the newest ones, `past`: levels (CV_32F), at least two. Each of `steps` must be in
+/// model.steps.
 std::vector<cv::Mat> predict(const CarriedPrediction& model, std::span<const cv::Mat> past,
                              std::span<const int> steps);
 

@@ -12,9 +12,9 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr std::size_t kCopiedPixels = 4096;
-constexpr int kSameLevel = 2;  // grey levels: a copy through JPEG or an interpolation of still pixels
+constexpr int kSameLevel = 2;  // grey levels: difference due to JPEG or to interpolation of still pixels
 
-/// Counts pixels (a row of `channels` bytes each) whose levels are the same in all channels.
+/// Counts pixels (`channels` bytes each, in one row) whose levels agree in all channels.
 int count_same(const cv::Mat& a, const cv::Mat& b) {
   const int channels = a.channels();
   const auto *x = a.ptr<std::uint8_t>(), *y = b.ptr<std::uint8_t>();

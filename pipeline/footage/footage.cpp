@@ -20,7 +20,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kRepeat = 0.2;  // of the median difference: below it a frame repeats the one before
+constexpr double kRepeat = 0.2;  // share of the median difference below which a frame repeats the one before
 
 [[noreturn]] void refuse(const std::string& array, const std::string& why) {
   throw core::IoError("motion model: " + array + ".npy " + why);

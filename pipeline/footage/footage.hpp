@@ -12,8 +12,7 @@
 #include "core/model_archive.hpp"
 #include "graph/motion_graph.hpp"
 
-// A clip's own frames as a part of its model: new clips can be made of them instead of being drawn from
-// nothing.
+// The frames of a clip as a part of its model: new clips can be made from them instead of from strokes.
 namespace emberfold::pipeline {
 
 /// Holds the frames of a clip that differ from the ones before them, compressed (io::encode_frame).
@@ -21,15 +20,15 @@ struct Footage {
   cv::Size size;     ///< px
   int channels = 1;  ///< 1 or 3
   std::vector<std::vector<std::uint8_t>> frames;
-  graph::MotionGraph strokes = {};  ///< seen in the frames; empty where they are not known
+  graph::MotionGraph strokes = {};  ///< seen in the frames; empty if unknown
 
   [[nodiscard]] bool empty() const { return frames.empty(); }
 };
 
-/// Bytes of frames that a model keeps: 300 frames of 1280×720 in colour.
+/// Maximum bytes of frames in a model: 300 frames of 1280×720 in colour.
 constexpr std::size_t kMostFootage = std::size_t{3} * 1280 * 720 * 300;
 
-/// Reads a clip and keeps its first frames, as many as `most` bytes hold and at least two.
+/// Reads a clip and keeps its first frames, those that fit in `most` bytes and at least two.
 /// Leaves out repeated frames, whose mean difference from the frame before is below a fifth of the median.
 /// `motion`: the clip's graphs, of which those of the frames are kept; empty: none.
 /// Warns of frames that are not kept. Throws core::Cancelled.
@@ -42,8 +41,8 @@ std::vector<cv::Mat> decode(const Footage& footage, const core::Context& context
 /// Adds the arrays "footage" and "footage_ends" to a motion model's archive, about a tenth of the frames'
 /// bytes, and the strokes (add_footage_strokes).
 void add_footage(core::ModelArchive& archive, const Footage& footage);
-/// Reads the footage without its strokes; empty where the archive has none. Looks into the first frame alone.
-/// Throws core::IoError, naming the array, where the arrays are no frames of that size.
+/// Reads the footage without its strokes; empty where the archive has none. Decodes the first frame alone.
+/// Throws core::IoError, naming the array, where they do not hold frames of that size.
 Footage read_footage(const core::ModelArchive& archive, cv::Size frame);
 
 }  // namespace emberfold::pipeline

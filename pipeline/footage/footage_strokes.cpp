@@ -58,8 +58,8 @@ graph::Patch patch_of(const float* place, const core::Half* shape, const std::ui
   return patch;
 }
 
-/// The links from one frame to a later one: those between, followed through. Competing ones are dropped, so
-/// that they form a star forest: a link whose both ends have others.
+/// Returns the links from one frame to a later one, composed of the links between. Competing links, whose
+/// both ends have others, are dropped, so that the rest form a star forest.
 std::vector<graph::Link> links_between(const graph::MotionGraph& motion, int from, int to) {
   auto links = motion.links[static_cast<std::size_t>(from) + 1];
   for (int t = from + 2; t <= to; ++t) {

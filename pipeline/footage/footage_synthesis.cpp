@@ -24,21 +24,21 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr double kStretch = 0.15;     // share by which content is stretched where it moves
-constexpr double kRange = 1.0 / 3;    // of the smaller side: over which the time front is smooth
-constexpr double kMostAmplitude = 5;  // frames: slow clips need no more to look new
-constexpr double kLeastMotion = 0.5;  // px a frame: what moves less is not worth more stretching
-// Errors of frames drawn between their neighbours: up to kKnown times differ freely, from kUnknown on not at
-// all, since what lies between two frames is not known.
+constexpr double kRange = 1.0 / 3;    // share of the smaller side over which the time front is smooth
+constexpr double kMostAmplitude = 5;  // frames: enough for slow clips to look new
+constexpr double kLeastMotion = 0.5;  // px per frame: slower content is stretched no further
+// Error of frames drawn between their neighbours. Below kKnown times differ freely, above kUnknown not at
+// all, since interpolation is unreliable there.
 constexpr double kKnown = 0.6, kUnknown = 0.8;
-constexpr double kRate = 0.2;                      // SD by which local time runs faster or slower
-constexpr int kCountedEvery = 4;                   // frames: where copied pixels are counted
-constexpr double kFewTimes = 0.5;                  // frames: amplitude below which plays stand side by side
+constexpr double kRate = 0.2;                      // SD of the relative speed of local time
+constexpr int kCountedEvery = 4;                   // frames between those whose copied pixels are counted
+constexpr double kFewTimes = 0.5;                  // frames: smaller amplitudes need several plays
 constexpr int kPlays = 3;                          // enough that none fills most of the frame
-constexpr int kApart = 6;                          // frames between those that stand side by side, at least
+constexpr int kApart = 6;                          // frames between those shown side by side, at least
 constexpr std::uint64_t kPlayStream = 0x706c6179;  // between the seeds of plays
-constexpr double kSame = 0.05;                     // of the usual change: a jump that shows no difference
+constexpr double kSame = 0.05;                     // share of the usual change: an invisible jump
 constexpr double kLead = 2;                        // frames by which times differ in the first frame
-constexpr double kLeadRate = 0.3;                  // frames more by each frame of the footage
+constexpr double kLeadRate = 0.3;                  // frames added per frame of the footage
 
 std::shared_ptr<const std::vector<cv::Mat>> in_playing_order(std::vector<cv::Mat> footage,
                                                              const FootageSynthesisOptions& options) {
@@ -77,7 +77,7 @@ TimeFront make_front(const std::vector<cv::Mat>& footage, const FootageSynthesis
   return {amplitude, range, kRate * std::abs(options.speed), options.seed, options.loop};
 }
 
-/// Returns the plays of a footage: several side by side where the times of a single one may hardly differ.
+/// Returns the plays of a footage: several side by side where times within a single one can hardly differ.
 PlayedFrames make_plays(const std::shared_ptr<const std::vector<cv::Mat>>& footage,
                         const FootageSynthesisOptions& options, const MotionScale& scale,
                         const LikeMoments& moments, double amplitude) {

@@ -21,16 +21,16 @@ namespace emberfold::pipeline {
 /// Holds the settings of a FootageSynthesis.
 struct FootageSynthesisOptions {
   std::uint64_t seed = 1;
-  double speed = 1;              ///< frames of the footage a frame, −100…100 but 0; below 0 backwards
+  double speed = 1;              ///< frames of the footage per frame, −100…100, not 0; below 0 backwards
   std::optional<int> loop = {};  ///< frames after which the clip repeats itself exactly, ≥ 2
 };
 
-/// Draws new frames of a footage without end.
-/// The footage is played with jumps between like moments (PlayOrder), and every place runs a little before or
-/// behind its neighbours (TimeFront), so frames are new compositions of the clip; what lies between two of
-/// its frames is moved along the motion between them. A loop after which the footage itself repeats is played
-/// unchanged. How much times differ is bounded by the motion: content
-/// is stretched by some 15 %. The same at any number of threads.
+/// Draws an endless number of new frames of a footage.
+/// The footage is played with jumps between similar frames (PlayOrder), and every place runs a little ahead
+/// of or behind its neighbours (TimeFront), so frames are new compositions of the clip; between two of its
+/// frames, pixels are moved along the motion. A loop after which the footage itself repeats is played
+/// unchanged. The motion bounds how much times differ: content is stretched by about 15 %. The same at any
+/// number of threads.
 class FootageSynthesis {
  public:
   /// `footage`: frames of a clip, CV_8U, 1 or 3 channels, of one size.
@@ -41,21 +41,20 @@ class FootageSynthesis {
   /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take` in order.
   /// Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {});
-  /// Returns the best number of frames to ask for at once: 1…16.
+  /// Returns the best number of frames per call: 1…16.
   [[nodiscard]] int batch() const;
-  /// Returns how visible the jumps so far are: their cost over the change between neighbouring frames.
+  /// Returns the visibility of the jumps so far: their cost over the change between neighbouring frames.
   [[nodiscard]] double jump_cost() const { return played_.jump_cost(); }
-  /// Returns how much of what moves is copied from one frame of the footage, 0…1, in every fourth frame so
+  /// Returns the share of moving pixels copied from one frame of the footage, 0…1, in every fourth frame so
   /// far.
   [[nodiscard]] double copied_share() const { return copied_.mean(); }
-  /// Returns how many plays of the footage stand side by side.
+  /// Returns the number of plays of the footage shown side by side.
   [[nodiscard]] int plays() const { return played_.plays(); }
-  /// Tells whether parts of the footage so far were played backwards, since it has no like moments.
+  /// Returns whether any frames so far were played backwards, since the footage has no similar frames.
   [[nodiscard]] bool plays_back() const { return played_.plays_back(); }
-  /// Returns where in the clip the pixels of a frame come from; to be called while it is handed to each()'s
-  /// `take`.
+  /// Returns the sources in the clip of a frame's pixels; to be called while it is handed to each()'s `take`.
   [[nodiscard]] FrameSources sources() const;
-  /// SD of the times that a frame shows at once, frames.
+  /// Returns the SD of the times that one frame shows, frames.
   [[nodiscard]] double amplitude() const { return front_.bound() / 3; }
 
  private:

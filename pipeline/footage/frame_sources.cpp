@@ -11,7 +11,7 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr int kCells = 80;            // on the longer side
-constexpr double kStillShare = 0.25;  // of a cell's pixels: where fewer move it is still
+constexpr double kStillShare = 0.25;  // share of a cell's pixels: where fewer move, it is still
 
 }  // namespace
 

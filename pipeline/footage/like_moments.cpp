@@ -18,10 +18,10 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr int kComparedSide = 80;       // px: larger pictures are reduced before they are compared
-constexpr double kBlur = 1;             // px: small shifts are no difference
-constexpr int kMostHalf = 4;            // frames: about a quarter of a second of movement
-constexpr int kShortestJump = 25;       // frames: shorter jumps repeat or skip what was just seen
-constexpr double kNoDifference = 0.05;  // of the usual change: frames that show no difference
+constexpr double kBlur = 1;             // px: small shifts count as no difference
+constexpr int kMostHalf = 4;            // frames: about a quarter of a second of motion
+constexpr int kShortestJump = 25;       // frames: shorter jumps repeat or skip recent frames
+constexpr double kNoDifference = 0.05;  // share of the usual change below which frames count as equal
 constexpr std::size_t kBestJumps = 20;
 
 cv::Mat small_picture(const cv::Mat& frame) {

@@ -16,13 +16,13 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kMoves = 6;          // grey levels: SD over time of a pixel that moves
+constexpr double kMoves = 6;          // grey levels: SD over time of a moving pixel
 constexpr std::size_t kPlaces = 16;   // where the motion is measured
-constexpr std::size_t kMostStep = 8;  // frames between those that are compared
-constexpr double kChange = 4;         // grey levels by which they differ where pixels move
-constexpr std::size_t kMoments = 32;  // by which the deviations over time are measured
+constexpr std::size_t kMostStep = 8;  // maximum frames between two that are compared
+constexpr double kChange = 4;         // grey levels by which compared frames differ where pixels move
+constexpr std::size_t kMoments = 32;  // frames sampled for the SD over time
 
-/// Measures at frames so far apart that they differ by more than noise.
+/// Measures the error on frames far enough apart to differ by more than noise.
 double between_error(const std::vector<cv::Mat>& footage, const cv::Mat1b& moves,
                      const core::Context& context) {
   const double levels = double(cv::countNonZero(moves)) * footage.front().channels();

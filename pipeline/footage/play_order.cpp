@@ -15,16 +15,16 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr std::uint32_t kOrderStream = 0x6a756d70;  // of the random stream
-constexpr int kShortestRun = 20;                    // frames before a jump, less in short footages
-constexpr int kSpan = 60;            // frames, at most half of the footage: a run as long as could be wished
-constexpr double kChoice = 0.3;      // a jump's weight falls by e for so much more of the best squared cost
-constexpr int kLongestTurn = 10;     // half of the frames that a jump takes
-constexpr double kTurn = 4;          // half of the frames of a jump that costs twice the usual change
-constexpr double kLike = 4;          // cost, of the usual change, up to which moments are alike
-constexpr double kLeastRoom = 0.05;  // share of a span that a jump to where the footage ends at once has
-constexpr int kFirstPart = 8;        // part of the footage in which an order begins
-constexpr std::size_t kMostJumps = 200;          // that are held against other plays
-constexpr std::array kLaterOn = {1, 7, 13, 19};  // frames after a jump that are held against other plays
+constexpr int kShortestRun = 20;                    // frames before a jump, fewer in short footages
+constexpr int kSpan = 60;                           // frames, at most half of the footage: longest useful run
+constexpr double kChoice = 0.3;          // excess over the best squared cost that divides weights by e
+constexpr int kLongestTurn = 10;         // half of the frames that a jump may take
+constexpr double kTurn = 4;              // half of the frames of a jump at twice the usual change
+constexpr double kLike = 4;              // cost over the usual change, up to which moments are similar
+constexpr double kLeastRoom = 0.05;      // minimum share of a span left after a jump
+constexpr int kFirstPart = 8;            // part of the footage in which an order begins
+constexpr std::size_t kMostJumps = 200;  // that are compared with other plays
+constexpr std::array kLaterOn = {1, 7, 13, 19};  // frames after a jump that are compared with other plays
 
 int shortest_run(int frames) {
   return std::min(kShortestRun, std::max(1, frames / 5));
@@ -42,7 +42,7 @@ PlayOrder::PlayOrder(LikeMoments moments, PlayOrderOptions options)
     begin_first_run();
 }
 
-/// Begins early, and with the first frame where the footage drifts and is played to its end.
+/// Begins early, or with the first frame where no jump is possible and the footage is played to its end.
 void PlayOrder::begin_first_run() {
   const int begin = moments_.half, some = std::max(1, moments_.frames / kFirstPart - begin);
   core::Rng rng(options_.seed, {kOrderStream, 0});
@@ -62,8 +62,8 @@ void PlayOrder::add_run(int first, int last) {
   runs_.push_back({runs_.empty() ? 0 : runs_.back().end(), first, last, 0});
 }
 
-/// Sets how long the turn from a run to the next one takes, which begins with frame `next`: at most
-/// `room` frames of that, so that its own turn has some left.
+/// Sets the duration of the transition from a run to the next one, which begins with frame `next`. It takes
+/// at most `room` frames of that run, to leave some for the run's own transition.
 void PlayOrder::set_half(std::size_t run, int next, int room) {
   const auto& r = runs_[run];
   const double relative = double{moments_.cost(r.last, next)} / std::max(1e-6, moments_.change);
@@ -73,11 +73,11 @@ void PlayOrder::set_half(std::size_t run, int next, int room) {
       std::max(0, std::min({wanted, moments_.frames - 1 - r.last, next, r.length() - before, room}));
 }
 
-/// Returns the jumps from a run to moments like those that are left.
+/// Returns the jumps from a run to frames similar to its end.
 std::vector<PlayOrder::Jump> PlayOrder::find_jumps(const Run& run) const {
   const int n = moments_.frames, last_way_out = n - 1 - moments_.half;
   const int span = std::min(kSpan, std::max(1, n / 2));
-  // Where less was shown so far is the better way on: means over the spans behind each frame.
+  // Frames that were shown less are preferred: means over the spans after each frame.
   std::vector<double> sums{0}, shown;
   for (const int times : played_) sums.push_back(sums.back() + times);
   for (int b = 0; b < n; ++b) {
@@ -99,7 +99,7 @@ std::vector<PlayOrder::Jump> PlayOrder::find_jumps(const Run& run) const {
   return jumps;
 }
 
-/// Keeps the best jumps and weighs how they fit beside the other plays.
+/// Keeps the best jumps and adds how well they fit next to the other plays.
 void PlayOrder::add_neighbours_cost(const Run& run, std::vector<Jump>& jumps) const {
   if (!options_.beside) return;
   std::ranges::stable_sort(jumps, {}, &Jump::cost);
@@ -115,7 +115,7 @@ void PlayOrder::add_neighbours_cost(const Run& run, std::vector<Jump>& jumps) co
   if (!held.empty()) jumps = std::move(held);
 }
 
-/// Plays on to the end and from there backwards to the beginning.
+/// Plays on to the end, and from there backwards to the beginning.
 void PlayOrder::turn_back() {
   const int n = moments_.frames;
   runs_.back().last = n - 1;
@@ -123,7 +123,7 @@ void PlayOrder::turn_back() {
   add_run(0, 0);
 }
 
-/// Decides where the last run ends and which one follows.
+/// Decides where the last run ends and which run follows.
 void PlayOrder::draw_run() {
   const auto before = runs_.size() - 1;
   auto jumps = find_jumps(runs_[before]);
@@ -141,7 +141,7 @@ void PlayOrder::draw_run() {
   add_run(b, b);
 }
 
-/// Plays a part of the footage on and back, as often as it takes, unless the loop is longer than that.
+/// Plays a part of the footage forwards and back, as often as needed, unless the loop is longer than that.
 bool PlayOrder::close_loop_backwards(int frames) {
   const int way = frames / 2;  // frames from one turning point to the other
   if (way < 1 || way > moments_.frames - 1) return false;
@@ -155,7 +155,7 @@ bool PlayOrder::close_loop_backwards(int frames) {
 /// Finds an order of that many frames that ends where it begins.
 void PlayOrder::close_loop(int frames) {
   const int n = moments_.frames, begin = moments_.half, end = n - 1 - moments_.half;
-  // One run and one jump where the footage is long enough, else equal runs.
+  // A long enough footage takes one run and one jump, others equal runs.
   const int most = std::max(1, end - begin + 1), count = (frames + most - 1) / most;
   std::vector<int> lengths(static_cast<std::size_t>(count), frames / count);
   for (int i = 0; i < frames % count; ++i) ++lengths[static_cast<std::size_t>(i)];
@@ -196,12 +196,12 @@ PlayedMoment PlayOrder::at(std::int64_t n) {
   const auto loop = options_.loop;
   if (loop) n = ((n + options_.shift) % *loop + *loop) % *loop;
   while (!loop && (runs_.size() < 2 || runs_[runs_.size() - 2].end() <= n)) draw_run();
-  // The runs before and behind the nearest jump.
+  // The runs before and after the nearest jump.
   const auto behind = std::ranges::upper_bound(runs_, n, {}, &Run::begin);
   const auto i = static_cast<std::size_t>(behind - runs_.begin()) - 1;
   const Run& run = runs_[i];
   const auto turn = [&](std::size_t from, std::size_t to, std::int64_t d) {
-    // `d` moments after the first one of run `to`, before it below 0.
+    // `d` moments after the first one of run `to`; negative before it.
     const int place = static_cast<int>(d);
     return PlayedMoment{runs_[from].last + 1 + place, runs_[to].first + place, runs_[from].half, place};
   };

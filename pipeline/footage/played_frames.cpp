@@ -16,7 +16,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kAhead = 4;  // moments that a seam looks ahead, so that it need not leave at once
+constexpr int kAhead = 4;  // moments that a seam looks ahead, to avoid sudden moves
 
 }  // namespace
 
@@ -43,8 +43,8 @@ SeamLines PlayedFrames::next_seams(std::int64_t n, const SeamLines& before) {
   return seams_->next(shown, before);
 }
 
-/// Returns the seams of moment n, at least that of the last call; in loops those of the second round, which
-/// follow from the first one's end.
+/// Returns the seams of moment n, which is not before that of the last call. Loops use the second round,
+/// which continues from the end of the first.
 SeamLines PlayedFrames::seams_at(std::int64_t n) {
   if (orders_.size() < 2) return {};
   if (loop_ && loop_seams_.empty())
@@ -65,7 +65,7 @@ cv::Mat PlayedFrames::draw(const Moment& moment) const {
   return frames.size() == 1 ? frames.front() : seams_->join(frames, moment.seams);
 }
 
-/// Finds the turning places of turns that begin; all moments of a turn share them.
+/// Finds the turning places of transitions that begin; all moments of a transition share them.
 void PlayedFrames::find_turning_places(const std::vector<Moment*>& moments, const core::Context& context) {
   std::map<Turn, cv::Mat1f> places;
   std::vector<std::pair<const PlayedMoment*, cv::Mat1f*>> missing;
@@ -86,8 +86,8 @@ void PlayedFrames::find_turning_places(const std::vector<Moment*>& moments, cons
   turning_places_ = std::move(places);
 }
 
-/// Returns the frames that each play shows in two moments, where they are neighbours in the footage: the
-/// motion between them is the same whenever they are played. Empty where a play is about a jump.
+/// Returns the frames that each play shows in two moments, if these are neighbours in the footage: their
+/// motion is the same whenever they are played. Empty where a play is at a jump.
 std::vector<std::pair<int, int>> PlayedFrames::shown_pairs(const Moment& moment, const Moment& next) {
   std::vector<std::pair<int, int>> pairs;
   for (std::size_t i = 0; i < moment.shown.size(); ++i) {
@@ -128,8 +128,8 @@ void PlayedFrames::prepare(std::int64_t first, std::int64_t last, const core::Co
   find_motion(first, last, context);
 }
 
-/// Finds the motion of the moments from `first` up to `last`: about a jump from frame to frame, else between
-/// neighbouring frames of the footage, once for all times that they are played.
+/// Finds the motion of the moments from `first` up to `last`. At a jump it is measured between the drawn
+/// frames, elsewhere between neighbouring frames of the footage, once for every time that they are played.
 void PlayedFrames::find_motion(std::int64_t first, std::int64_t last, const core::Context& context) {
   std::vector<std::pair<Moment*, const Moment*>> jumping, playing;
   std::map<std::pair<int, int>, cv::Mat> missing;
@@ -157,7 +157,7 @@ void PlayedFrames::find_motion(std::int64_t first, std::int64_t last, const core
   for (auto& [moment, next] : playing) moment->motion = joined(shown_pairs(*moment, *next), moment->seams);
 }
 
-/// Returns in each play's part of the frame the motion between its frames.
+/// Joins the motions between each play's frames, each in its play's part of the frame.
 cv::Mat PlayedFrames::joined(const std::vector<std::pair<int, int>>& pairs, const SeamLines& seams) const {
   if (pairs.size() == 1) return motions_.at(pairs.front());
   cv::Mat motion = motions_.at(pairs.front()).clone(), plays;

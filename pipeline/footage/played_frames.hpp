@@ -17,29 +17,29 @@
 
 namespace emberfold::pipeline {
 
-/// Draws the moments of a played footage and the motion between them, a window of them at a time. Several
-/// plays at once stand side by side, each in its part of the frame (Seams).
+/// Draws the moments of a played footage and the motion between them, a window at a time.
+/// Several plays are shown side by side, each in its part of the frame (Seams).
 class PlayedFrames {
  public:
-  /// `orders`: one for each of the seams' plays; `loop`: after how many moments they begin anew.
+  /// `orders`: one for each of the seams' plays; `loop`: moments after which they repeat.
   PlayedFrames(std::shared_ptr<const std::vector<cv::Mat>> footage,
                std::vector<std::shared_ptr<PlayOrder>> orders, std::shared_ptr<const Seams> seams,
                std::optional<int> loop = {});
 
-  /// Draws the moments from `first` to `last` that are not there yet, and forgets those before `first`.
+  /// Draws the moments from `first` to `last` that are missing, and drops those before `first`.
   /// Throws core::Cancelled.
   void prepare(std::int64_t first, std::int64_t last, const core::Context& context);
-  /// Returns a prepared moment: CV_8U, as the footage.
+  /// Returns a prepared moment: CV_8U, channels of the footage.
   [[nodiscard]] const cv::Mat& frame(std::int64_t n) const { return moments_.at(n).frame; }
-  /// Returns the motion from a prepared moment, not the last one, to the next: px, CV_32FC2, at about half of
-  /// the frame's size at most 2^15 vectors.
+  /// Returns the motion from a prepared moment, not the last one, to the next: px, CV_32FC2, at about half
+  /// the frame's size, at most 2^15 vectors.
   [[nodiscard]] const cv::Mat& motion(std::int64_t n) const { return moments_.at(n).motion; }
-  /// Returns what a prepared moment shows, by cell.
+  /// Returns the sources of a prepared moment, by cell.
   [[nodiscard]] FrameSources sources(std::int64_t n) const;
-  /// Returns the mean of the plays' relative costs of jumps.
+  /// Returns the mean of the plays' relative jump costs.
   [[nodiscard]] double jump_cost() const;
   [[nodiscard]] int plays() const { return static_cast<int>(orders_.size()); }
-  /// Tells whether any frames so far were played backwards.
+  /// Returns whether any frames so far were played backwards.
   [[nodiscard]] bool plays_back() const;
 
  private:

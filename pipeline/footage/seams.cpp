@@ -17,12 +17,12 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kSlack = 0.14;     // of what moves, by which a seam may leave its place
-constexpr double kSmooth = 1.5;     // cells: SD over which a seam is smoothed, since it goes by whole cells
-constexpr float kStay = 0.5F;       // cost of a pixel that changes sides, of one that the seam passes
-constexpr double kShortWay = 0.02;  // of the mean difference: cost of a way where all is alike
-constexpr int kPairs = 64;          // of frames that tell how visible seams usually are
-constexpr double kFeather = 0.03;   // of the longer side: width over which plays are blended
+constexpr double kSlack = 0.14;     // share of what moves by which a seam may leave its place
+constexpr double kSmooth = 1.5;     // cells: SD of the smoothing of a seam, which follows whole cells
+constexpr float kStay = 0.5F;       // cost of a pixel that changes sides, relative to one under the seam
+constexpr double kShortWay = 0.02;  // share of the mean difference: cost of path length where all is alike
+constexpr int kPairs = 64;          // pairs of frames that measure the usual visibility of seams
+constexpr double kFeather = 0.03;   // share of the longer side: width over which plays are blended
 
 cv::Mat turn_over(const cv::Mat& picture, bool turned) {
   return turned ? cv::Mat(picture.t()) : picture;
@@ -71,8 +71,8 @@ double Seams::visibility(int seam, int frame, int other) const {
   return find_line(difference(frame, other), bands_[static_cast<std::size_t>(seam)], {}).sum / usual_;
 }
 
-/// Finds the path from row to row, at most a cell aside in each, with the least sum of differences under it
-/// and where it leaves its former place.
+/// Finds the path from row to row, at most one cell aside per step, with the least sum of differences under
+/// it and cost of leaving its former place.
 Seams::Line Seams::find_line(const cv::Mat1f& apart, const Band& band, const std::vector<float>& before) {
   const int width = band.last - band.first + 1, rows = apart.rows;
   cv::Mat1f least(rows, width);

@@ -14,7 +14,7 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr std::uint32_t kFrontStream = 0x66726f6e;  // of the random stream
-constexpr int kWaves = 16;                          // enough for a field that is about normally distributed
+constexpr int kWaves = 16;                          // enough for an approximately normal field
 constexpr int kWaveCell = 8;                        // px between the places where the waves are summed
 
 }  // namespace
@@ -32,7 +32,7 @@ TimeFront::TimeFront(double amplitude, double range, double rate, std::uint64_t 
 }
 
 cv::Mat1f TimeFront::at(double n, cv::Size size, double most) const {
-  // One cell more on each side, so that places between cells have neighbours.
+  // One cell more on each side, so that every pixel has neighbouring cells.
   cv::Mat1f cells(size.height / kWaveCell + 3, size.width / kWaveCell + 3);
   const double scale = most / 3 * std::sqrt(2.0 / kWaves);
   for (int i = 0; i < cells.rows; ++i)

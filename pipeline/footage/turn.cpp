@@ -18,13 +18,13 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr double kMostVectors = 1 << 15;
-constexpr int kAlikeSide = 3;    // vectors: side of the place whose mean difference tells whether it moves
-constexpr float kMostNoise = 3;  // grey levels: mean differences above twice this are motion
-constexpr int kTurnSide = 80;    // px of the pictures that are compared, at most
-constexpr double kNearby = 3;    // px of those: SD of the place over which likeness is meant
+constexpr int kAlikeSide = 3;    // vectors: side of the window whose mean difference decides whether it moves
+constexpr float kMostNoise = 3;  // grey levels: mean differences above twice this count as motion
+constexpr int kTurnSide = 80;    // px: maximum side of the pictures that are compared
+constexpr double kNearby = 3;    // px of those pictures: SD of the window of similarity
 constexpr double kMiddle =
-    0.3;  // cost of turning at the way's ends instead of its middle, of the mean difference
-constexpr double kDuration = 3;  // moments in which a place turns
+    0.3;  // cost of turning at the way's ends instead of its middle, relative to the mean difference
+constexpr double kDuration = 3;  // moments that a place takes to turn
 
 cv::Mat1f luma_of(const cv::Mat& frame) {
   cv::Mat grey = frame, levels;
@@ -45,7 +45,7 @@ cv::Mat1f small_luma(const cv::Mat& frame) {
   return luma_of(small);
 }
 
-/// Takes the motion from where two frames of luma differ by no more than noise.
+/// Sets the motion to 0 where two frames of luma differ by no more than noise.
 void still_where_alike(cv::Mat& motion, const cv::Mat1f& frame, const cv::Mat1f& next) {
   cv::Mat difference;
   cv::absdiff(frame, next, difference);
@@ -60,7 +60,7 @@ void still_where_alike(cv::Mat& motion, const cv::Mat1f& frame, const cv::Mat1f&
       motion.at<cv::Vec2f>(y, x) *= std::clamp(alike(y, x) / noise - 1, 0.F, 1.F);
 }
 
-/// Returns the frame as it would be after `share` of its motion.
+/// Returns the frame moved along a share of its motion.
 cv::Mat moved(const cv::Mat& frame, const cv::Mat& motion, double share) {
   cv::Mat full, out;
   cv::resize(motion, full, frame.size(), 0, 0, cv::INTER_LINEAR);
@@ -75,7 +75,7 @@ cv::Mat moved(const cv::Mat& frame, const cv::Mat& motion, double share) {
   return out;
 }
 
-/// Returns how much two frames differ about each place, grey levels, at most kTurnSide px a side.
+/// Returns the local difference of two frames at each place, grey levels, at most kTurnSide px a side.
 cv::Mat1f local_difference(const cv::Mat& a, const cv::Mat& b) {
   cv::Mat difference, grey, small, levels;
   cv::absdiff(a, b, difference);

@@ -10,20 +10,20 @@
 namespace emberfold::pipeline {
 
 /// Estimates the motion from a frame (CV_8U, 1 or 3 channels) to the next, px, CV_32FC2, at most 2^15 vectors
-/// (dytex::optical_flow); none where both differ by no more than noise, since motion there is that of
+/// (dytex::optical_flow). 0 where both differ by no more than noise: motion there would be that of
 /// neighbours.
 cv::Mat footage_motion(const cv::Mat& frame, const cv::Mat& next);
 
-/// Draws the frame at `share` (0…1) of the way between two: both moved towards it, then mixed.
+/// Draws the frame at `share` (0…1) of the way between two, both moved towards it and mixed.
 cv::Mat draw_between(const cv::Mat& a, const cv::Mat& b, double share);
 
-/// Finds when each place turns from one run of frames to another: where and when both look most alike.
-/// `moment`: any one of the way from frame to other. Returns places on the way, CV_32F, at most 80 px a side.
+/// Finds when each place turns from one run of frames to another: where and when both look most similar.
+/// `moment`: any moment of the transition. Returns moments of the transition, CV_32F, at most 80 px a side.
 cv::Mat1f turning_places(const std::vector<cv::Mat>& footage, const PlayedMoment& moment);
 
-/// Draws a moment on the way from one run of frames to another. Both are moved towards each other by the
-/// motion between them; each place turns from one to the other within some three moments about its turning
-/// place.
+/// Draws a moment of the transition from one run of frames to another.
+/// Both are moved towards each other by the motion between them; each place turns from one to the other
+/// within about three moments of its turning place.
 cv::Mat draw_turn(const std::vector<cv::Mat>& footage, const PlayedMoment& moment, const cv::Mat1f& places);
 
 }  // namespace emberfold::pipeline

@@ -15,12 +15,12 @@ using graph::Point;
 namespace {
 
 namespace carrying {
-constexpr double kFitted = 0.5;       // least amplitude where it is from, of the patch as fitted
-constexpr double kLeastShare = 0.85;  // least amplitude elsewhere, of that
-constexpr double kSlip = 1.5;         // px across, in which it is looked for
-constexpr double kMargin = 4;         // px within the picture's border
-constexpr double kAcross = 3;         // px from the way between two drawn patches, and
-constexpr double kParallel = 0.6;     // rad from its direction, at which it is drawn there
+constexpr double kFitted = 0.5;       // minimum amplitude in the source frame, relative to the fit
+constexpr double kLeastShare = 0.85;  // minimum amplitude elsewhere, relative to the source frame
+constexpr double kSlip = 1.5;         // px across the curve that are searched
+constexpr double kMargin = 4;         // px minimum distance from the picture's border
+constexpr double kAcross = 3;         // px from the line between two drawn patches, and
+constexpr double kParallel = 0.6;     // rad from its direction, within which a patch counts as drawn
 constexpr double kHalfLength = 2.5;   // px
 }  // namespace carrying
 
@@ -28,7 +28,7 @@ Point tangent_of(const Patch& patch) {
   return {std::cos(patch.theta), std::sin(patch.theta)};
 }
 
-/// Moves a patch with what it lies on, by a frame.
+/// Moves a patch by the flow of what it lies on, by one frame.
 Patch moved_along(Patch patch, const FrameWindow& window, int from, int step) {
   const Point half = tangent_of(patch) * carrying::kHalfLength;
   const Point way =
@@ -38,7 +38,7 @@ Patch moved_along(Patch patch, const FrameWindow& window, int from, int step) {
   return patch;
 }
 
-/// Moves a patch onto the drawn one, but not along the curve, where patches look alike.
+/// Moves a patch onto the drawn one, except along the curve, where patches look alike.
 Patch moved_onto(Patch patch, const Patch& drawn) {
   const Point along = tangent_of(patch), off = drawn.position - patch.position;
   patch.position = patch.position + (off - along * dot(off, along));
@@ -50,7 +50,7 @@ bool is_within(const cv::Mat& levels, Point p) {
   return p.x >= kMargin && p.y >= kMargin && p.x < levels.cols - kMargin && p.y < levels.rows - kMargin;
 }
 
-/// Tells whether the patch lies between a drawn one and a neighbour of that, on the same curve.
+/// Returns whether the patch is between a drawn one and a neighbour of that, on the same curve.
 bool lies_on_edge(const Patch& patch, const graph::AttributeGraph& drawn, std::uint32_t v) {
   const Point from = drawn.patch(v).position;
   return std::ranges::any_of(drawn.neighbours(v), [&](std::uint32_t w) {
@@ -62,7 +62,8 @@ bool lies_on_edge(const Patch& patch, const graph::AttributeGraph& drawn, std::u
   });
 }
 
-/// Tells whether the patch is drawn in the frame before, seen in the sense of `step`, if there is one.
+/// Returns whether the patch is drawn in the previous frame in the sense of `step`; true without such a
+/// frame.
 bool is_drawn_before(const Patch& patch, int frame, int step, const DrawnPatches& drawn,
                      const FrameWindow& window) {
   const int before = frame - step;
@@ -70,8 +71,8 @@ bool is_drawn_before(const Patch& patch, int frame, int step, const DrawnPatches
   return drawn.find(before, moved_along(patch, window, frame, -step)).has_value();
 }
 
-/// Moves a patch on by a frame; `level`: its amplitude in its own frame, `vertex`: that of the new frame
-/// which draws it, if there is one. Returns false where it is lost.
+/// Propagates a patch by one frame. `level`: its amplitude in its source frame; `vertex`: that of the new
+/// frame which draws it, if any. Returns false where it is lost.
 bool move_on(LastingPatch& carried, int step, double level, const DrawnPatches& drawn,
              const FrameWindow& window, std::optional<std::uint32_t>& vertex) {
   carried.patch = moved_along(carried.patch, window, carried.frame, step);

@@ -22,7 +22,7 @@ graph::MotionGraph match_backwards(const graph::SketchSequence& sketch, const gr
   return graph::reverse_time(graph::match(graph::reverse_time(sketch), options, context.with_progress({})));
 }
 
-/// Matches the sketches as they are, forwards and backwards.
+/// Matches the sketches without flicker removal, forwards and backwards.
 std::vector<graph::MotionGraph> match_unsteadied(const graph::SketchSequence& sketch,
                                                  graph::MatchOptions options, bool of_curves,
                                                  const core::Context& context) {

@@ -28,20 +28,20 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kReach = 10;               // frames to each side of an event
-constexpr double kSlipAcross = 1.5;      // px across, of a patch that is carried along
-constexpr int kLevelFrames = 4;          // in which what appears is taken to be there in full
-constexpr double kLeastLevel = 0.15;     // of a patch's own amplitude
-constexpr double kMostMeasurements = 3;  // independent ones in a frame, of a stroke
+constexpr int kReach = 10;               // frames on each side of an event
+constexpr double kSlipAcross = 1.5;      // px across the curve that are searched for a propagated patch
+constexpr int kLevelFrames = 4;          // next to the change, in which the path counts as fully present
+constexpr double kLeastLevel = 0.15;     // share of a patch's own amplitude
+constexpr double kMostMeasurements = 3;  // independent ones per frame, for a stroke
 constexpr double kMeasurementsOfJoint = 2;
-constexpr std::size_t kFollowed = 3;  // frames in which what joins two strokes can be told apart from them
-constexpr int kSameFrames = 2;        // between two readings of one event
+constexpr std::size_t kFollowed = 3;  // frames in which a joint differs from the strokes that it joins
+constexpr int kSameFrames = 2;        // between two interpretations of one event
 constexpr double kSamePlace = 10;     // px
 constexpr double kSameJoint = 15;     // px between opposite events of one place
-constexpr double kMost = 0.5;         // share of the readings
-constexpr double kLeastLogOdds = -4;  // that the images at their best would have to reach
-constexpr std::size_t kWeakest = 3;   // one in so many patches of a joint decides whether it is open
-constexpr double kBorder = 10;        // px within the picture's border: what comes so near may have left it
+constexpr double kMost = 0.5;         // share of the interpretations
+constexpr double kLeastLogOdds = -4;  // an event must exceed it under the most favourable images
+constexpr std::size_t kWeakest = 3;   // one in this number of a joint's patches decides whether it is open
+constexpr double kBorder = 10;        // px within the picture's border: patches this near may have left it
 
 using graph::Point;
 using graph::detail::Family;
@@ -55,7 +55,7 @@ bool appears(graph::EventType type) {
   return type == birth || type == merge || type == connect;
 }
 
-/// How strongly a path shows, and the share of its patches that are in view.
+/// Amplitude of a path, and the share of its patches that are in view.
 struct PathAmplitude {
   double amplitude = 0, in_view = 0;
 };
@@ -64,7 +64,7 @@ bool is_in_view(const cv::Mat& levels, Point p) {
   return p.x >= kBorder && p.y >= kBorder && p.x < levels.cols - kBorder && p.y < levels.rows - kBorder;
 }
 
-/// Measures a path in a frame: a stroke on average, a joint at its weakest.
+/// Measures a path in a frame: a stroke by its mean, a joint by its weakest patches.
 PathAmplitude measure_path(const cv::Mat& levels, const Path& path, bool of_stroke) {
   std::vector<double> all;
   for (const graph::Patch& patch : path)
@@ -78,7 +78,7 @@ PathAmplitude measure_path(const cv::Mat& levels, const Path& path, bool of_stro
           static_cast<double>(all.size()) / static_cast<double>(path.size())};
 }
 
-/// Returns the upper median of the amplitudes of the frames next to the change in which the path is there.
+/// Returns the upper median of the amplitudes in the frames next to the change where the path is present.
 double level_beside(const mcmc::ChangeSeries& series) {
   std::vector<double> levels;
   for (std::size_t k = 0; k < kLevelFrames; ++k) {
@@ -90,7 +90,7 @@ double level_beside(const mcmc::ChangeSeries& series) {
   return levels.empty() ? kLeastLevel : std::max(kLeastLevel, levels[levels.size() / 2]);
 }
 
-/// Returns the mean visible contrast of the patches that an event is about.
+/// Returns the mean visible contrast of an event's patches.
 double path_contrast(const graph::TracedEvent& traced, const MotionIndex& motion, double white) {
   const graph::AttributeGraph& graph = motion.graph(traced.path_frame);
   double sum = 0;
@@ -125,14 +125,14 @@ double measure_factor(const graph::TracedEvent& traced, const MotionIndex& motio
   return mcmc::log_change_factor(series);
 }
 
-/// One motion graph of the clip, its events, and where its patches are.
+/// One interpretation of the clip: a motion graph, its events, and an index of its patches.
 struct Reading {
   explicit Reading(const graph::MotionGraph& motion)
       : index(motion), traced(graph::trace_stroke_events(motion)), of_frame(motion.sketch.frames.size()) {
     for (std::size_t k = 0; k < traced.size(); ++k)
       of_frame[static_cast<std::size_t>(traced[k].event.frame)].push_back(k);
   }
-  /// Visits the number of each event that is at most so many frames from one.
+  /// Visits the number of each event at most `reach` frames from a frame.
   template <class Visit>
   void each_near(int frame, int reach, const Visit& visit) const {
     const int last = std::min(frame + reach, static_cast<int>(of_frame.size()) - 1);
@@ -141,17 +141,17 @@ struct Reading {
   }
   MotionIndex index;
   std::vector<graph::TracedEvent> traced;
-  std::vector<std::vector<std::size_t>> of_frame;  // their numbers
+  std::vector<std::vector<std::size_t>> of_frame;  // numbers of their events
 };
 
-/// An event of some readings: for each of these its number and that of the event in it.
+/// An event with its members: pairs of an interpretation's number and the event's number in it.
 struct PooledEvent {
   WeighedEvent weighed;
   std::vector<std::pair<std::size_t, std::size_t>> members;
 };
 
-/// Tells whether the shorter of two strokes that appear or vanish lies on the longer: a part of it, that one
-/// reading has a frame earlier or later than the rest.
+/// Returns whether the shorter of two strokes that appear or vanish is on the longer: a part of it that one
+/// interpretation shows a frame earlier or later than the rest.
 bool is_part(const Reading& a, const graph::TracedEvent& of_a, const Reading& b,
              const graph::TracedEvent& of_b) {
   constexpr double kBeside = 5, kShare = 0.5;  // px; of the patches
@@ -174,8 +174,8 @@ bool is_part(const Reading& a, const graph::TracedEvent& of_a, const Reading& b,
   return static_cast<double>(on_whole) >= kShare * static_cast<double>(part.size());
 }
 
-/// Tells which of the events a reading has, too; its others are added if it `brings_events`, unless they are
-/// parts of strokes that appear or vanish in another reading.
+/// Adds an interpretation's events as members of known events; if it `brings_events`, the others become new
+/// ones, unless they are parts of strokes that appear or vanish in another interpretation.
 void add_events(std::span<const Reading> readings, std::size_t number, bool brings_events,
                 std::vector<PooledEvent>& events) {
   const Reading& reading = readings[number];
@@ -236,8 +236,8 @@ Family opposite(Family family) {
   return family;
 }
 
-/// Takes the frames between an event and an opposite one in its place, if that is one.
-/// Returns whether both are of one frame.
+/// Updates an event's distance in frames to an opposite one in its place, if `other` is one. Returns whether
+/// both are in one frame.
 bool note_opposite(const graph::Event& other, WeighedEvent& weighed) {
   const graph::Event& event = weighed.event;
   if (graph::detail::family(other.type) != opposite(graph::detail::family(event.type)) ||
@@ -249,9 +249,10 @@ bool note_opposite(const graph::Event& other, WeighedEvent& weighed) {
   return false;
 }
 
-/// Finds how many frames lie between each event and opposite ones in its place, as far as the clip goes: ones
-/// of the sketches as they are, and ones that most readings have. A pooled one of the same frame, as which
-/// some reading has it one frame off, counts as one frame apart.
+/// Finds the number of frames between each event and opposite ones in its place, bounded by the clip.
+/// Opposite events are those of the sketches without flicker removal, and those that most interpretations
+/// have. A pooled opposite in the same frame counts as one frame apart, since some interpretation has it one
+/// frame off.
 void find_opposites(std::span<PooledEvent> events, std::span<const Reading> unsteadied, int frames) {
   std::vector<std::vector<std::size_t>> common(static_cast<std::size_t>(frames));
   for (std::size_t k = 0; k < events.size(); ++k)
@@ -275,15 +276,15 @@ void find_opposites(std::span<PooledEvent> events, std::span<const Reading> unst
   }
 }
 
-/// A pooled event that is measured in some of its members.
+/// A pooled event, to be measured in some of its members.
 struct Measurement {
   int frame = 0;  // of the last member
   std::size_t pooled = 0;
   std::vector<std::pair<std::size_t, std::size_t>> members = {};  // in order of their frames
 };
 
-/// Lists what has to be measured, in order of the frames: each event in the steadied readings that have it,
-/// otherwise in the unsteadied ones. Events that no image could make likely are left out.
+/// Lists the measurements, in order of the frames: each event in the interpretations with flicker removed
+/// that have it, otherwise in the others. Events that no image could make likely are left out.
 std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
                                            std::span<const Reading> readings, std::size_t steadied,
                                            std::size_t own) {
@@ -307,7 +308,7 @@ std::vector<Measurement> plan_measurements(std::span<const PooledEvent> events,
   return result;
 }
 
-/// Measures one event: the mean factor of its members, as far as they could still make it likely.
+/// Measures one event: the mean factor of its members, while they could still make it likely.
 void measure(const Measurement& one, std::span<const Reading> readings, const FrameWindow& window, int frames,
              mcmc::ChangeEvidence& evidence) {
   evidence.log_factor = mcmc::kMostChangeFactor;
@@ -322,7 +323,7 @@ void measure(const Measurement& one, std::span<const Reading> readings, const Fr
       measure_likeness(window, one.frame, readings[reading].traced[event].event.position, frames);
 }
 
-/// Measures all while the clip is read once.
+/// Measures all events in one pass over the clip.
 void measure_all(core::FrameSource& source, std::span<Reading> readings, int frames,
                  std::span<const Measurement> measurements, std::span<PooledEvent> events,
                  const core::Context& context) {
@@ -340,7 +341,7 @@ void measure_all(core::FrameSource& source, std::span<Reading> readings, int fra
       measure(one, readings, window, frames, events[one.pooled].weighed.evidence);
     });
     done = ready;
-    window.drop_before(end - 2 * kReach - 2 * kSameFrames);  // members lie that far apart
+    window.drop_before(end - 2 * kReach - 2 * kSameFrames);  // members are at most this far apart
   };
   const auto& info = source.info();
   const int batch = frames_at_once(info);
@@ -377,7 +378,7 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const ClipRead
   for (std::size_t k = 0; k < all.size(); ++k) add_events(all, k, k < own, pooled);
   for (PooledEvent& event : pooled) {
     auto& evidence = event.weighed.evidence;
-    evidence.log_factor = -mcmc::kMostChangeFactor;  // unless it is measured
+    evidence.log_factor = -mcmc::kMostChangeFactor;  // until it is measured
     evidence.contrast = 0;
     for (const auto& [reading, number] : event.members)
       if (reading < own)

@@ -19,7 +19,7 @@ constexpr double kBriefPlace = 6;               // px
 constexpr int kRivalFrames = 2;
 constexpr double kRivalPlace = 20;  // px
 
-/// Visits each pair of events so many frames apart at most, the earlier one first.
+/// Visits each pair of events at most `frames` frames apart, the earlier one first.
 template <class Visit>
 void each_pair(std::span<const graph::Event> events, int frames, const Visit& visit) {
   std::vector<std::size_t> order(events.size());

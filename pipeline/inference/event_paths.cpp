@@ -19,25 +19,25 @@ using graph::Point;
 
 namespace {
 
-constexpr double kSlip = 9;                        // px along the curve that a link may be off
-constexpr double kSameEnds = 4;                    // px between ends that are carried and followed
-constexpr std::array kOtherFrames = {1, 2, 4, 7};  // from the event, in which the strokes may be joined too
-constexpr double kDetour = 15;                     // px that a path there may be longer
-constexpr double kPatchesApart = 6;                // px between patches of a path that is stretched
+constexpr double kSlip = 9;                        // px along the curve of tolerance for a link
+constexpr double kSameEnds = 4;                    // px between propagated and followed ends
+constexpr std::array kOtherFrames = {1, 2, 4, 7};  // from the event, in which the strokes may also be joined
+constexpr double kDetour = 15;                     // px by which a path there may be longer
+constexpr double kPatchesApart = 6;                // px between patches of a refined path
 
 Point tangent(const Patch& patch) {
   return {std::cos(patch.theta), std::sin(patch.theta)};
 }
 
-/// Returns the direction of a curve, turned to the side to which `like` points.
+/// Returns the direction of a curve, turned to the side of `like`.
 double turn_like(double theta, double like) {
   return std::cos(theta - like) < 0 ? theta + std::numbers::pi : theta;
 }
 
-/// A patch on its way through the frames.
+/// A patch followed through the frames.
 struct Followed {
   Patch patch;
-  std::optional<std::uint32_t> vertex;  // that shows it
+  std::optional<std::uint32_t> vertex;  // vertex that shows it
 };
 
 Followed step_on(const Followed& from, int frame, int step, const MotionIndex& motion,
@@ -56,7 +56,7 @@ Followed step_on(const Followed& from, int frame, int step, const MotionIndex& m
   return to;
 }
 
-/// Frames first…last of something that begins in one of them.
+/// Values in frames first…last, propagated from the one in which they begin.
 template <class T>
 class Course {
  public:
@@ -103,7 +103,7 @@ class EventFollower {
   int first_, last_;
 };
 
-/// Returns the patch that lies between two neighbours, at a share of the way from a to b.
+/// Interpolates a patch between two neighbours, at a share of the way from a to b.
 Patch between(const Patch& a, const Patch& b, double share) {
   Patch result = share <= 0.5 ? a : b;
   const Point way = b.position - a.position;
@@ -112,8 +112,7 @@ Patch between(const Patch& a, const Patch& b, double share) {
   return result;
 }
 
-/// Returns a path with more patches, so that none are farther apart than kPatchesApart, and one between any
-/// two.
+/// Subdivides a path, so that its patches are at most kPatchesApart apart, with one between any two.
 Path refine(const Path& path) {
   Path result;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
@@ -126,7 +125,7 @@ Path refine(const Path& path) {
   return result;
 }
 
-/// Moves the ends of a path, and what lies between in proportion.
+/// Moves the ends of a path, and the patches between in proportion.
 Path move_ends(Path path, Point front, Point back) {
   double length = 0;
   std::vector<double> from_front{0};
@@ -151,13 +150,14 @@ double length_of(const Path& path) {
   return length;
 }
 
-/// A path that joins two strokes in one frame, and its ends followed.
+/// A path that joins two strokes in one frame, propagated, and its ends, followed.
 struct JoiningPath {
   Course<Path> carried;
   Course<Followed> front, back;
 };
 
-/// Adds where the path may be in a frame: carried, if its ends agree with those followed, and fitted to them.
+/// Adds guesses of the path in a frame: propagated, if its ends agree with those followed, and fitted to
+/// them.
 void add_guesses(const JoiningPath& joining, int frame, std::vector<Path>& guesses) {
   const Path& carried = joining.carried[frame];
   const Point front = joining.front[frame].patch.position - carried.front().position,
@@ -166,7 +166,7 @@ void add_guesses(const JoiningPath& joining, int frame, std::vector<Path>& guess
   guesses.push_back(refine(move_ends(carried, front, back)));
 }
 
-/// Finds the path between two vertices of a frame, if one is at most this long.
+/// Finds the path between two vertices of a frame, if its length is at most `longest`.
 std::optional<std::vector<std::uint32_t>> find_path(const graph::AttributeGraph& graph, std::uint32_t from,
                                                     std::uint32_t to, double longest) {
   graph::detail::ShortestPaths paths(graph);

@@ -13,12 +13,12 @@ namespace emberfold::pipeline {
 /// Patches along a curve, from one end to the other.
 using Path = std::vector<graph::Patch>;
 
-/// Finds where the patches of an event are in each of the frames first…last, whether or not they show there.
-/// Returns a few guesses for each frame. What moves smoothly is carried along by the optical flow; what has
-/// patches in a frame's graph is corrected by them, across the curve alone, since patches of one curve look
-/// alike along it. The path that joins two strokes is kept between their ends as they move, so that it spans
-/// the gap where they are apart; where they are joined in other frames, too, the paths there are taken as
-/// well. O(frames² · patches).
+/// Finds the places of an event's patches in each of the frames first…last, whether or not they show there.
+/// Returns a few guesses for each frame. Patches are propagated by the optical flow; where a frame's graph
+/// has such patches they correct the place, across the curve alone, since patches of one curve look alike
+/// along it. The path that joins two strokes is kept between their ends as they move, so that it spans the
+/// gap where they are apart; where they are also joined in other frames, the paths there are added. O(frames²
+/// · patches).
 std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, const MotionIndex& motion,
                                             const FrameWindow& window, int first, int last);
 

@@ -13,7 +13,7 @@ namespace emberfold::pipeline {
 
 namespace {
 
-/// Returns the probability of each event by itself: strokes and joints have shares of true ones of their own.
+/// Returns the probability of each event by itself; strokes and joints have separate shares of true events.
 std::vector<double> probabilities_alone(std::span<const WeighedEvent> weighed) {
   std::vector<double> result(weighed.size());
   for (const bool of_stroke : {true, false}) {

@@ -17,7 +17,7 @@ namespace {
 using graph::AttributeGraph;
 using graph::SubgraphId;
 
-/// Returns the stroke of the patch that coincides best with a patch.
+/// Returns the stroke of the patch that best coincides with a given patch.
 std::optional<SubgraphId> stroke_at(const AttributeGraph& named, const graph::Patch& patch) {
   std::optional<SubgraphId> found;
   double nearest = std::numeric_limits<double>::max();
@@ -30,7 +30,7 @@ std::optional<SubgraphId> stroke_at(const AttributeGraph& named, const graph::Pa
   return found;
 }
 
-/// Returns the name of the stroke that shows a stroke of a reading, as near to a place as it does.
+/// Returns the name of the stroke that coincides with a stroke of an interpretation, nearest to a place.
 std::optional<SubgraphId> name_of(SubgraphId stroke, graph::Point place, const AttributeGraph& reading,
                                   const AttributeGraph& named) {
   std::vector<std::pair<double, std::uint32_t>> order;  // px from the place, vertex

@@ -6,10 +6,10 @@
 
 namespace emberfold::pipeline {
 
-/// Gives an event of one reading the strokes of another reading.
-/// A stroke takes the name of the stroke that shows its place nearest to the event; one that the other
-/// reading lacks is left out, and so is a name that is there already. O(n log n + n · m) in the patches of
-/// the frames.
+/// Renames the strokes of one interpretation's event to those of another.
+/// A stroke gets the name of the stroke that coincides with it nearest to the event; one that the other
+/// interpretation lacks is left out, and so is a repeated name. O(n log n + n · m) in the patches of the
+/// frames.
 void name_strokes(graph::Event& event, const MotionIndex& reading, const MotionIndex& named);
 
 }  // namespace emberfold::pipeline

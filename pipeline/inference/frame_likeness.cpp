@@ -14,13 +14,13 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kWindow = 6, kSearch = 5;       // px of half the resolution, to each side
+constexpr int kWindow = 6, kSearch = 5;       // px of half the resolution, on each side
 constexpr double kLeastContrast = 2;          // SD in grey levels
-constexpr int kNeighbours = 3;                // pairs of neighbouring frames to each side of the change
+constexpr int kNeighbours = 3;                // pairs of neighbouring frames on each side of the change
 constexpr std::array kFramesApart{6, 8, 10};  // frames
 
-/// Returns the best correlation coefficient of the window about `centre` with the other frame; nothing if it
-/// is flat.
+/// Returns the best correlation coefficient of the window around `centre` with the other frame; nothing if
+/// the window is flat.
 std::optional<double> best_correlation(const cv::Mat1f& of, const cv::Mat1f& with, cv::Point centre) {
   const cv::Rect frame(cv::Point(), of.size());
   const cv::Rect window(centre - cv::Point(kWindow, kWindow), cv::Size(2 * kWindow + 1, 2 * kWindow + 1));

@@ -11,37 +11,38 @@
 
 namespace emberfold::pipeline {
 
-/// Holds one frame as a window keeps it.
+/// Holds one frame in a window's format.
 struct WindowFrame {
-  cv::Mat levels;  ///< CV_8U as read where that is white = 255, else CV_32F; 1 or 3 channels
+  cv::Mat levels;  ///< CV_8U unchanged where that is white = 255, else CV_32F; 1 or 3 channels
   cv::Mat1f luma, halved;
 };
-/// Brings a frame of a clip into this form. O(pixels).
+/// Converts a frame of a clip to this format. O(pixels).
 WindowFrame make_window_frame(const cv::Mat& frame, const core::ClipInfo& info);
 
-/// Returns how many frames a window takes before it is worked on, 1…8: it holds those around them as well.
+/// Returns the number of frames that a window takes before they are processed, 1…8: it holds their neighbours
+/// as well.
 int frames_at_once(const core::ClipInfo& info);
 
-/// Holds some frames of a clip in a row, and the motion between neighbouring ones.
+/// Holds consecutive frames of a clip, and the motion between neighbouring ones.
 class FrameWindow {
  public:
   /// Appends the next frame.
   void push(WindowFrame frame);
-  /// Computes the motion (optical flow, both senses) between frames that have none yet, in parallel.
+  /// Computes the missing motion (optical flow, both senses) between frames, in parallel.
   void prepare(const core::Context& context);
-  /// Forgets the frames before `frame`.
+  /// Drops the frames before `frame`.
   void drop_before(int frame);
 
   [[nodiscard]] int first() const { return first_; }                                    ///< frame held
   [[nodiscard]] int end() const { return first_ + static_cast<int>(entries_.size()); }  ///< one past the last
   [[nodiscard]] const cv::Mat& levels(int frame) const { return entry(frame).levels; }
   [[nodiscard]] const cv::Mat1f& halved(int frame) const { return entry(frame).halved; }  ///< luma
-  /// Returns where what is at p in frame `from` is in the next frame, or (`step` −1) in the one before.
+  /// Returns where point p of frame `from` moves in the next frame or (`step` −1) in the previous one.
   [[nodiscard]] graph::Point carry(graph::Point p, int from, int step) const;
 
  private:
   struct Entry : WindowFrame {
-    cv::Mat on, back;  // motion to the next frame, and from there; luma is dropped once both are known
+    cv::Mat on, back;  // motion to the next frame, and from it; luma is dropped once both are known
   };
   [[nodiscard]] const Entry& entry(int frame) const {
     return entries_[static_cast<std::size_t>(frame - first_)];

@@ -40,7 +40,7 @@ class GrowingSketch {
     places_of_.emplace(SourceVertex(carried.source, carried.vertex), carried.drawn);
   }
 
-  /// Adds the patch, unless an added one shows the same.
+  /// Adds the patch, unless an added one shows the same place.
   void add(const LastingPatch& carried) {
     const SourceVertex key(carried.source, carried.vertex);
     auto same = find_added(carried.patch);
@@ -54,7 +54,7 @@ class GrowingSketch {
     places_of_.emplace(key, *same);
   }
 
-  /// Joins what was added as it was where it is from, and leaves out what is joined to nothing.
+  /// Joins added patches by their source frame's edges, and drops those that are joined to nothing.
   [[nodiscard]] AttributeGraph graph(const graph::SketchSequence& sketch) const {
     if (added_.empty()) return own_;
     std::vector<char> is_joined(vertices_.size(), 0);
@@ -85,7 +85,7 @@ class GrowingSketch {
 
  private:
   using Neighbours = std::map<graph::VertexId, std::set<graph::VertexId>>;
-  /// Tells whether an edge between two patches would close a triangle.
+  /// Returns whether an edge between two patches would close a triangle.
   static bool have_common(const Neighbours& next_to, graph::VertexId a, graph::VertexId b) {
     const auto of_a = next_to.find(a), of_b = next_to.find(b);
     return of_a != next_to.end() && of_b != next_to.end() &&
@@ -114,12 +114,12 @@ class GrowingSketch {
   using SourceVertex = std::pair<int, std::uint32_t>;  // frame and vertex
   const AttributeGraph& own_;
   std::vector<graph::Vertex> vertices_;
-  std::map<Cell, std::vector<std::size_t>> cells_;  // what was added
+  std::map<Cell, std::vector<std::size_t>> cells_;  // added patches
   std::vector<std::pair<SourceVertex, std::size_t>> added_;
   std::map<SourceVertex, std::size_t> places_of_;
 };
 
-/// Adds what was carried to a frame; where several show the same, that from the nearest frame.
+/// Adds propagated patches to a frame; of several that show the same place, the one from the nearest frame.
 AttributeGraph with_carried(const graph::SketchSequence& sketch, int frame, CarriedPatches carried) {
   const auto rank = [&](const LastingPatch& c) {
     return std::tuple(std::abs(c.source - frame), -c.amplitude, c.patch.position.x, c.patch.position.y,
@@ -132,7 +132,7 @@ AttributeGraph with_carried(const graph::SketchSequence& sketch, int frame, Carr
   return growing.graph(sketch);
 }
 
-/// Carries patches through a clip that is read frame by frame.
+/// Propagates patches through a clip that is read frame by frame.
 class LastingPatches {
  public:
   LastingPatches(const graph::SketchSequence& sketch, const core::Context& context)
@@ -146,7 +146,7 @@ class LastingPatches {
     arrived_.emplace_back();
   }
 
-  /// Carries from all frames around which enough are there.
+  /// Propagates from all frames with enough neighbours in the window.
   void proceed() {
     const int frames = drawn_.frames(), end = window_.end();
     window_.prepare(context_);
@@ -173,7 +173,7 @@ class LastingPatches {
   [[nodiscard]] graph::SketchSequence take() { return std::move(result_); }
 
  private:
-  /// Appends the frames before `end`, to which all was carried.
+  /// Appends the frames before `end`, which no further patches reach.
   void finish(int end) {
     const auto first = static_cast<int>(result_.frames.size());
     std::vector<AttributeGraph> graphs(static_cast<std::size_t>(end - first));
@@ -190,8 +190,8 @@ class LastingPatches {
   const core::Context& context_;
   DrawnPatches drawn_;
   FrameWindow window_;
-  std::deque<CarriedPatches> arrived_;  // in frames that are not finished
-  int carried_ = 0;                     // frames from which all was carried
+  std::deque<CarriedPatches> arrived_;  // in unfinished frames
+  int carried_ = 0;                     // frames whose patches were propagated
   graph::SketchSequence result_;
 };
 

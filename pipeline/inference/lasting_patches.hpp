@@ -7,12 +7,12 @@
 
 namespace emberfold::pipeline {
 
-/// Adds to the sketch of each frame what it lacks though the frame shows it: patches that are drawn in frames
-/// up to 10 before and after it, carried along by optical flow for as long as their profile shows nearly as
-/// strongly there. What is drawn by chance near a threshold so comes and goes less often; where a
-/// stroke ends or breaks, nothing is added. Both senses of time are alike. `source`: the clip of the sketch,
-/// which is read once. Holds some 20 frames. Throws core::InputError where their frames differ in number, and
-/// core::Cancelled. O(patches · frames carried).
+/// Adds to each frame's sketch the patches that it lacks although the frame shows them.
+/// Patches drawn in frames up to 10 before and after it are propagated by optical flow for as long as their
+/// profile is nearly as strong there. Strokes near a threshold thus appear and disappear less often; where a
+/// stroke ends or breaks, nothing is added. Both senses of time are treated alike. `source`: the clip of the
+/// sketch, which is read once. Holds about 20 frames. Throws core::InputError where their frames differ in
+/// number, and core::Cancelled. O(patches · frames reached).
 graph::SketchSequence add_lasting_patches(core::FrameSource& source, const graph::SketchSequence& sketch,
                                           const core::Context& context = {});
 

@@ -12,30 +12,30 @@
 
 namespace emberfold::pipeline {
 
-/// Finds the patches of a motion graph by link and by place, in the frames that it holds. Refers to the
-/// graph.
+/// Finds the patches of a motion graph by link and by place, in the frames that it holds. Keeps a reference
+/// to the graph.
 class MotionIndex {
  public:
   explicit MotionIndex(const graph::MotionGraph& motion) : motion_(motion) {}
 
-  /// Indexes the frames first…end − 1, as far as it does not hold them, and forgets those before. Neither
-  /// number may decrease from call to call.
+  /// Indexes the frames first…end − 1, if not yet indexed, and drops those before. Neither number may
+  /// decrease from call to call.
   void hold(int first, int end);
 
   [[nodiscard]] const graph::AttributeGraph& graph(int frame) const {
     return motion_.sketch.frames[static_cast<std::size_t>(frame)];
   }
-  /// Returns the vertex that a vertex is linked with in the next frame or (`step` −1) the one before; of
-  /// several the first.
+  /// Returns the vertex linked with a vertex in the next or (`step` −1) the previous frame; of several, the
+  /// first.
   [[nodiscard]] std::optional<std::uint32_t> linked(int frame, std::uint32_t vertex, int step) const;
-  /// Returns the vertex of a frame that shows the same place of a stroke; of several the nearest.
+  /// Returns the vertex of a frame that shows the same place of a stroke; of several, the nearest.
   [[nodiscard]] std::optional<std::uint32_t> coinciding(int frame, const graph::Patch& patch) const {
     return held(frame).places.find(patch);
   }
 
  private:
   struct Frame {
-    std::vector<std::uint32_t> next, previous;  // vertex indices, kNone where there is none
+    std::vector<std::uint32_t> next, previous;  // vertex indices; kNone without a link
     graph::CoincidenceIndex places;
   };
   [[nodiscard]] Frame index(std::size_t frame) const;

@@ -10,8 +10,8 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kGamma = 2.2;   // of screens (sRGB as a power law)
-constexpr double kFlare = 0.01;  // of white: light that a screen reflects in a lit room
+constexpr double kGamma = 2.2;   // screen gamma (sRGB as a power law)
+constexpr double kFlare = 0.01;  // share of white: light that a screen reflects in a lit room
 
 double luma_of(const graph::Level& level) {
   return core::luma(level[0], level[1], level[2]);

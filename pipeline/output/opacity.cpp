@@ -20,8 +20,8 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr int kMostFrames = 64;
-constexpr double kQuietShare = 0.25;    // of the pixels: those whose noise is the clip's
-constexpr double kNoises = 3;           // noises that count as the ground
+constexpr double kQuietShare = 0.25;    // share of the pixels whose noise is taken as the clip's
+constexpr double kNoises = 3;           // multiples of the noise that count as background
 constexpr int kMostTolerance = 8;       // grey levels
 constexpr double kMedianToSd = 1.4826;  // of a normal distribution's absolute deviations
 
@@ -31,13 +31,13 @@ std::uint8_t median_of(std::vector<std::uint8_t>& values) {
   return *middle;
 }
 
-/// A frame's level brought nearer to the ground's by the tolerance.
+/// Moves a frame's level towards the background's by the tolerance.
 std::size_t less_noise(int level, int ground, int tolerance) {
   const int apart = level - ground, kept = std::max(0, std::abs(apart) - tolerance);
   return static_cast<std::size_t>(apart > 0 ? ground + kept : ground - kept);
 }
 
-/// Least opacity with which a colour in 0…1 over `ground` gives `value`.
+/// Returns the least opacity at which a colour in 0…1 over `ground` gives `value`.
 double least_opacity(double value, double ground) {
   if (value > ground) return (value - ground) / (1 - ground);
   return value < ground ? (ground - value) / ground : 0;
@@ -82,7 +82,7 @@ cv::Mat with_opacity(const cv::Mat& frame, const Ground& ground, Light light) {
   if (frame.size() != ground.levels.size())
     throw core::InputError("the ground is " + core::size_text(ground.levels.size()) + " pixels, the frame " +
                            core::size_text(frame.size()));
-  std::array<double, 256> scaled{};  // levels in the light that is mixed
+  std::array<double, 256> scaled{};  // levels in the light in which colours are mixed
   for (std::size_t i = 0; i < scaled.size(); ++i)
     scaled[i] = light == Light::linear ? io::linear_light(double(i) / 255) : double(i) / 255;
   const cv::Mat colours = in_colour(frame), under = in_colour(ground.levels);

@@ -7,24 +7,24 @@
 
 namespace emberfold::pipeline {
 
-/// What a clip moves in front of.
+/// The static background of a clip.
 struct Ground {
   cv::Mat levels;     ///< CV_8U, 1 or 3 channels, of the clip's size
-  int tolerance = 0;  ///< grey levels, ≥ 0: what differs from it by no more is the ground
+  int tolerance = 0;  ///< grey levels, ≥ 0: smaller differences count as background
 };
 
-/// Estimates the ground of a footage (CV_8U, of one size, at least one frame): the median over time of up to
-/// 64 frames; the tolerance is three times the noise of what moves least, at most 8 levels.
+/// Estimates the background of a footage (CV_8U, of one size, at least one frame): the median over time of up
+/// to 64 frames. The tolerance is three times the noise of the least moving pixels, at most 8 levels.
 Ground still_ground(const std::vector<cv::Mat>& footage);
 
-/// In which light opacities mix colours: levels as displays take them (PNG), or linear light (EXR).
+/// Names the light in which opacities mix colours: display levels (PNG) or linear light (EXR).
 enum class Light { display, linear };
 
-/// Makes the ground transparent: finds the least opacity with which some colour over the ground gives the
-/// frame (CV_8U, 1 or 3 channels), less the ground's tolerance. Over black this is the greatest channel. Put
-/// over the ground the picture gives the frame but for the tolerance.
-/// Returns CV_8UC4 with colours not multiplied by their opacity in `display`, CV_32FC4 with white at 1 and
-/// colours multiplied by it in `linear`. Throws core::InputError where the sizes differ. O(pixels).
+/// Makes the background transparent.
+/// Finds the least opacity at which some colour over the background gives the frame (CV_8U, 1 or 3 channels)
+/// after subtracting the tolerance. Over black this is the greatest channel. Over the background the result
+/// gives the frame up to the tolerance. Returns CV_8UC4 with straight alpha in `display`, CV_32FC4 with white
+/// at 1 and premultiplied alpha in `linear`. Throws core::InputError where the sizes differ. O(pixels).
 cv::Mat with_opacity(const cv::Mat& frame, const Ground& ground, Light light);
 
 }  // namespace emberfold::pipeline

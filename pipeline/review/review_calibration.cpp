@@ -15,13 +15,13 @@ namespace {
 using graph::Answer;
 using graph::Event;
 
-constexpr double kMostOdds = 7;  // nats: a probability of 1 is no certainty before anyone has looked
+constexpr double kMostOdds = 7;  // nats: before any answer, a probability of 1 is not certain
 constexpr double kShiftSpread = 1.5, kSlopeSpread = 0.4;  // SD of the priors of a and of log b
 constexpr double kShiftStep = 0.1, kSlopeStep = 0.1;
-constexpr int kShifts = 60, kSlopes = 12;  // steps to each side of a = 0 and of log b = 0
+constexpr int kShifts = 60, kSlopes = 12;  // steps on each side of a = 0 and of log b = 0
 constexpr int kDraws = 1000;
 constexpr double kLevel = 0.9;
-constexpr std::size_t kClasses = 7;  // six, and all
+constexpr std::size_t kClasses = 7;  // the six classes, and their total
 
 double log_odds(double p) {
   return std::clamp(std::log(p / (1 - p)), -kMostOdds, kMostOdds);
@@ -34,7 +34,7 @@ std::size_t group_of(graph::EventType type) {
   return type == graph::EventType::birth || type == graph::EventType::death ? 0 : 1;
 }
 
-/// An event that was answered: its log odds before, and whether it happened.
+/// An answered event: its log odds before the answer, and whether it happened.
 struct Fact {
   double odds = 0;
   bool is_true = false;
@@ -47,7 +47,7 @@ struct Line {
   }
 };
 
-/// The posterior of the line that log odds are moved by, on a grid.
+/// The posterior of the linear map of log odds, on a grid.
 struct LinePosterior {
   std::vector<Line> lines;
   std::vector<double> weights;
@@ -77,7 +77,7 @@ LinePosterior infer_line(std::span<const Fact> facts) {
   return result;
 }
 
-/// What was said of the events, and those of them that were not answered.
+/// The answers, and the events without an answer.
 struct Answered {
   ReviewedClip clip;
   std::array<std::vector<Fact>, 2> facts;  ///< by group
@@ -142,7 +142,7 @@ core::Interval interval_of(std::vector<double> draws) {
   return {mean, at((1 - kLevel) / 2), at((1 + kLevel) / 2)};
 }
 
-/// Draws the counts of all classes, and rates behind them, from the posterior. `before`: the events' own
+/// Draws the counts of all classes, and their rates, from the posterior. `before`: the events' own
 /// probabilities.
 void draw_counts(Answered& answered, std::span<const Event> before,
                  const std::array<LinePosterior, 2>& posteriors, std::size_t gaps, std::uint64_t seed) {

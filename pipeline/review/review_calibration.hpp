@@ -12,31 +12,31 @@
 
 namespace emberfold::pipeline {
 
-/// Events in the light of a review.
+/// Events after a review.
 struct ReviewedClip {
-  /// All events, sorted: those answered with probability 1 or 0 and the class that was given, those added,
-  /// and the others, each inferred anew.
+  /// All events, sorted: those answered, with probability 1 or 0 and the class given, those added, and the
+  /// others, inferred anew.
   std::vector<graph::Event> events;
-  std::vector<graph::Event> asked;                    ///< the events as they were found
-  std::size_t yes = 0, no = 0, other = 0, added = 0;  ///< answers that were taken
+  std::vector<graph::Event> asked;                    ///< the events before the review
+  std::size_t yes = 0, no = 0, other = 0, added = 0;  ///< answers used
   std::size_t unmatched = 0;  ///< answers "no" to events that are not among those found now
-  /// Of births and deaths, and of the other classes: log odds that the answers add to an event's, and what
-  /// they multiply them by; 0 and 1 without answers.
+  /// Linear map of an event's log odds inferred from the answers, for births and deaths and for the other
+  /// classes: added shift and factor; 0 and 1 without answers.
   std::array<double, 2> shift{0, 0}, slope{1, 1};
-  /// How many events of each class truly happened, and of all in the last place: mean and 90 % interval of
-  /// the posterior, which holds what is not known of the events without an answer.
+  /// Number of events of each class that truly happened, the total last: mean and 90 % interval of the
+  /// posterior, including the uncertainty of events without an answer.
   std::array<core::Interval, 7> counts{};
-  /// The rates behind these, a frame: the interval also holds that events happen by chance.
+  /// Underlying rates, per frame: the interval also includes that events happen by chance.
   std::array<core::Interval, 7> rates{};
 };
 
 /// Takes a review as facts, and infers the other events anew.
 /// The answers are matched by graph::find_answers; a fact without an event among `events` is one more event.
-/// The others' log odds l become a + b l; a (the base rate's, N(0, 1.5²)) and log b (how far the
-/// probabilities can be trusted, N(0, 0.4²)) are inferred from the answers, on a grid, for births and deaths
-/// and for the other classes apart; their probabilities are those at its mode. The answers may be of any
-/// choice of events, by their probabilities for instance. Nothing is known of events that were neither found
-/// nor added. `gaps`: between frames, ≥ 1. Throws core::InputError for none. O(grid · answers + draws ·
+/// The others' log odds l become a + b l; a (the base rate's shift, N(0, 1.5²)) and log b (how far the
+/// probabilities can be trusted, N(0, 0.4²)) are inferred from the answers, on a grid, separately for births
+/// and deaths and for the other classes; the probabilities are those at the mode. The answers may be for any
+/// choice of events, for instance by their probabilities. Events that were neither found nor added remain
+/// unknown. `gaps`: between frames, ≥ 1. Throws core::InputError for none. O(grid · answers + draws ·
 /// events).
 ReviewedClip apply_review(std::span<const graph::Event> events, std::span<const graph::ReviewedEvent> review,
                           std::size_t gaps, std::uint64_t seed);

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kParts = "sketch_parts";
-constexpr std::size_t kLeastFrames = 2;  // with fewer it is no clip, and nothing of it is kept
+constexpr std::size_t kLeastFrames = 2;  // a shorter clip is an error, and nothing of it is stored
 
 io::Columns sketch_columns(const std::string& key, const SketchedClip& clip, std::size_t first) {
   io::Columns columns{key, {}, {}};
@@ -32,7 +32,7 @@ io::Columns sketch_columns(const std::string& key, const SketchedClip& clip, std
   return columns;
 }
 
-/// Appends the frames of columns; false where they are damaged.
+/// Appends the frames in columns; returns false where they are damaged.
 bool append_sketch(SketchedClip& clip, const io::Columns& columns, const core::Context& context) {
   try {
     const auto graphs = read_graphs(columns, context.memory());
@@ -60,7 +60,7 @@ void add_joints(io::Columns& columns, const std::vector<graph::CurveJoint>& join
   columns.arrays["joints"] = {{joints.size(), kJoint}, false, std::move(rows)};
 }
 
-/// Events, and their strokes as rows (event, 0 before or 1 after, stroke).
+/// Adds events, and their strokes as rows (event, 0 before or 1 after, stroke).
 void add_events(io::Columns& columns, const std::vector<graph::Event>& events) {
   std::vector<double> rows;
   std::vector<std::int64_t> strokes;
@@ -136,7 +136,7 @@ void read_learned(const nlohmann::json& text, LearnedModel& learned) {
     learned.texture = {text.at("texture").at(0), text.at("texture").at(1), text.at("texture").at(2)};
 }
 
-/// The model as it lies there now; what was kept of it counts for this one alone.
+/// Returns a fingerprint of the stored model; what was stored with it applies to this model alone.
 std::string model_mark(const core::ModelArchive& archive) {
   return core::Fingerprint().add(archive.text).text();
 }
@@ -195,7 +195,7 @@ std::optional<FoundMotion> AnalysisStages::read_motion(const core::Context& cont
     found.joints = read_joints(*columns);
     found.all_events = read_events(*columns);
     return found;
-  } catch (const std::exception&) {  // a file that is damaged in whatever way: found again
+  } catch (const std::exception&) {  // a damaged file of any kind is computed again
     return std::nullopt;
   }
 }

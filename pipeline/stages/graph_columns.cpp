@@ -19,7 +19,7 @@ constexpr std::size_t kNumbers = 9, kLevels = 9, kIds = 3;
   throw core::IoError("the column " + name + " does not fit the others");
 }
 
-/// Returns an array's values. `row`: how many of them make a row, by which their number can be divided.
+/// Returns an array's values. `row`: the length of a row, by which their number must be divisible.
 template <class Value>
 const std::vector<Value>& values(const io::Columns& columns, const std::string& name, std::size_t row) {
   const auto found = columns.arrays.find(name);
@@ -39,7 +39,7 @@ void add(io::Columns& columns, const std::string& name, const std::vector<std::s
   columns.arrays[name] = {std::move(shape), false, std::move(data)};
 }
 
-/// Returns the places where frames begin, checked to ascend from 0 to `count`.
+/// Returns the offsets at which frames begin, checked to ascend from 0 to `count`.
 std::vector<std::size_t> begins(const std::vector<std::int64_t>& list, std::size_t row, std::size_t column,
                                 std::size_t count) {
   std::vector<std::size_t> found;
@@ -217,8 +217,8 @@ std::vector<std::vector<graph::Link>> read_links(const io::Columns& columns) {
 
 namespace {
 
-/// Takes the places where frames begin out of the columns of some frames and puts them behind those of the
-/// frames before. `row`: numbers a frame has.
+/// Moves the offsets at which frames begin from a block of columns to `begin`, counted on from the frames
+/// before. `row`: numbers per frame.
 void move_begins(io::Columns& columns, const std::string& name, std::size_t row,
                  std::vector<std::int64_t>& begin) {
   const auto found = columns.arrays.extract(name);

@@ -8,16 +8,15 @@
 #include "graph/motion_graph.hpp"
 #include "pipeline/sketch_clip.hpp"
 
-// Graphs as columns: every number of every patch in its own bits, so that what is read back is what was
-// written.
+// Graphs as columns that store every number of every patch bit by bit.
 namespace emberfold::pipeline {
 
-/// Adds the graphs of frames. `frames` (frames + 1 × 2, int64): where each frame's patches and edges begin;
-/// of the patches `numbers` (× 9, float64: x y theta width blur contrast cost gain evidence), `levels` (× 9,
+/// Adds the graphs of frames. `frames` (frames + 1 × 2, int64): offsets of each frame's patches and edges; of
+/// the patches `numbers` (× 9, float64: x y theta width blur contrast cost gain evidence), `levels` (× 9,
 /// float32: left, middle, right of blue, green, red), `types` (uint8: PatchType) and `ids` (× 3, int64:
-/// vertex, stroke, curve); `edges` (× 2, int32): which patches of their frame they join.
+/// vertex, stroke, curve); `edges` (× 2, int32): the patches of their frame that they join.
 void add_graphs(io::Columns& columns, std::span<const graph::AttributeGraph> frames);
-/// Reads the graphs into this memory. Throws core::IoError where the columns do not fit each other.
+/// Reads the graphs, in memory from `memory`. Throws core::IoError where the columns do not fit each other.
 std::vector<graph::AttributeGraph> read_graphs(const io::Columns& columns,
                                                const graph::GraphMemory& memory = {});
 
@@ -26,13 +25,12 @@ std::vector<graph::AttributeGraph> read_graphs(const io::Columns& columns,
 void add_grounds(io::Columns& columns, std::span<const sketch::FrameBackground> grounds);
 std::vector<sketch::FrameBackground> read_grounds(const io::Columns& columns);
 
-/// Adds links: `links` (× 2, int64: vertices) and `link_frames` (frames + 1, int64: where each frame's
-/// begin).
+/// Adds links: `links` (× 2, int64: vertices) and `link_frames` (frames + 1, int64: offsets by frame).
 void add_links(io::Columns& columns, std::span<const std::vector<graph::Link>> links);
 std::vector<std::vector<graph::Link>> read_links(const io::Columns& columns);
 
-/// Writes what add_graphs, add_grounds and add_links add, some frames at a time. `grounds`: as many as the
-/// sketch has frames, or none; `links`: none, or those of a motion graph.
+/// Writes what add_graphs, add_grounds and add_links add, some frames at a time. `grounds`: one per frame of
+/// the sketch, or none; `links`: none, or those of a motion graph.
 void write_graphs(io::ColumnWriter& writer, const graph::SketchSequence& sketch,
                   std::span<const sketch::FrameBackground> grounds,
                   std::span<const std::vector<graph::Link>> links);

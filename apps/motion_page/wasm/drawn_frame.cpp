@@ -17,7 +17,7 @@ std::uint8_t to_byte(float value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 255.0F)));
 }
 
-// Patches as FrameRenderer draws those of a model at new places.
+// Adjusts patches as FrameRenderer does for those of a model at new places.
 graph::AttributeGraph adjust(const graph::AttributeGraph& graph, const PageLook& look) {
   std::vector<graph::Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
   for (auto& vertex : vertices) {

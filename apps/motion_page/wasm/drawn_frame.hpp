@@ -16,27 +16,27 @@
 
 namespace emberfold::apps {
 
-/// Holds what frames are drawn with, as sketch::RenderOptions does.
+/// Holds what drawing a frame needs, like sketch::RenderOptions.
 struct PageLook {
   int channels = 3;  ///< 1 or 3
   double blur_share = 1, contrast_gain = 1;
   int range_columns = 0, range_rows = 0, range_channels = 1;
   std::vector<std::uint8_t> range_low, range_high;  ///< cells of the range of levels; may be empty
-  std::vector<float> still_levels;                  ///< `channels` a pixel; may be empty
-  std::vector<std::uint8_t> still, fixed;           ///< pixels, 255 where still, where nothing covers it
+  std::vector<float> still_levels;                  ///< `channels` per pixel; may be empty
+  std::vector<std::uint8_t> still, fixed;           ///< pixels, 255 where static, and where nothing covers it
 };
 
-/// Draws the frames of a motion model one by one: its graphs, and of each the pixels that its strokes and the
-/// still background hold. The page fills the rest.
+/// Draws the frames of a motion model one by one: graphs, and the pixels of strokes and the static
+/// background. The page fills the rest.
 class DrawnFrames {
  public:
   DrawnFrames(const mcmc::MotionModel& model, const PageLook& look, std::uint64_t seed);
 
   void next();
 
-  /// Returns the frame's pixels, four bytes each: red, green, blue, and how much of it is there, 0…255.
+  /// Returns the frame's pixels, four bytes each: red, green, blue, and the coverage, 0…255.
   [[nodiscard]] const std::vector<std::uint8_t>& pixels() const { return pixels_; }
-  /// Returns the graph, without patches that fade in or out.
+  /// Returns the graph, without patches that are fading in or out.
   [[nodiscard]] const graph::AttributeGraph& graph() const { return ahead_.front().graph; }
   /// Returns the frame's births, deaths, splits, merges, connects and disconnects.
   [[nodiscard]] const std::array<int, 6>& operators() const { return ahead_.front().operators; }
@@ -52,7 +52,7 @@ class DrawnFrames {
   cv::Size size_;
   mcmc::Synthesis strokes_;
   sketch::FadeInOut fader_;
-  std::deque<Frame> ahead_;  // this frame and those that come
+  std::deque<Frame> ahead_;  // this frame and later ones
   bool begun_ = false;
   std::vector<std::uint8_t> pixels_;
 };

@@ -37,7 +37,7 @@ std::vector<T> copy(const T* from, int count) {
   return {from, from + count};
 }
 
-// Lays out the graph: id, x, y and direction of every patch; pairs of numbers of patches.
+// Writes the graph: id, x, y and direction of every patch; pairs of patch indices.
 void lay_out(Simulation& all) {
   const auto& graph = all.frames->graph();
   all.patches.clear(), all.edges.clear();
@@ -55,7 +55,7 @@ void lay_out(Simulation& all) {
 
 extern "C" {
 
-// Stops the call and gives the page an error's words; never returns.
+// Stops the call and passes an error message to the page; never returns.
 [[noreturn]] __attribute__((import_module("page"), import_name("fail"))) void page_fail(const char* words);
 
 // Exceptions do not unwind here: a call that throws is the last one of this instance.
@@ -73,7 +73,7 @@ void EXPORT(release)(void* room) {
   std::free(room);
 }
 
-// Takes a file of the model's folder: model.json, or an array, named without ".npy".
+// Stores a file of the model's folder: model.json, or an array, named without ".npy".
 void EXPORT(add_file)(const char* name, const char* bytes, int size) {
   auto& all = simulation();
   const std::string content(bytes, static_cast<std::size_t>(size));
