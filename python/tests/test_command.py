@@ -95,7 +95,7 @@ def test_quilt(folder):
 
 def test_sketch(folder):
     command("sketch", folder / "clip.avi", "-o", folder / "sketched", "--range", "0:4")
-    sketch = ef.sketch.sketch_clip(ef.open(folder / "clip.avi", frames=slice(0, 4)), sensitivity=0.5)
+    sketch = ef.sketch.sketch_clip(ef.open(folder / "clip.avi", frames=slice(0, 4)), sensitivity=0.5, outlines=True)
     lines = (folder / "sketched/sketch.jsonl").read_bytes().split(b"\n")
     assert [line.rstrip() for line in lines] == sketch.to_jsonl().split(b"\n")  # the command keeps place for any number of frames
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""README's Python section runs as it is written, and so does the notebook."""
+"""The first code of docs/python.md runs as it is written, and so does the notebook."""
 import re
 import subprocess
 import sys
@@ -24,8 +24,8 @@ def write_stack(path, frames):
 
 
 def section():
-    text = (ROOT / "README.md").read_text()
-    return re.search(r"^## Python\n.*?```python\n(.*?)```", text, flags=re.M | re.S).group(1)
+    text = (ROOT / "docs/python.md").read_text()
+    return re.search(r"```python\n(.*?)```", text, flags=re.S).group(1)
 
 
 @pytest.fixture
