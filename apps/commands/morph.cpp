@@ -21,7 +21,6 @@
 #include "core/io/files.hpp"
 #include "core/text/format_number.hpp"
 #include "graph/io/motion_io.hpp"
-#include "pipeline/sketch_clip.hpp"
 #include "sketch/rendering/morph_frames.hpp"
 
 namespace emberfold::apps {
@@ -36,7 +35,7 @@ struct Morphing {
   ReadingWords words;
   io::ReadOptions read;
   graph::MorphOptions morph;
-  sketch::ExtractOptions extract = pipeline::kPictureSketch;
+  sketch::ExtractOptions extract;
   sketch::FillOptions fill;
 };
 
