@@ -48,9 +48,12 @@ std::string with_option_name(const std::string& message, const std::string& fiel
 
 void misuse(std::string message, const std::vector<std::string>& fields, const std::string& group) {
   message = without_struct_name(message);
-  for (const auto& field : fields)
-    message = with_name(message, field,
-                        group.empty() || field == "frames" ? option_name(field) : group + "." + field);
+  for (const auto& field : fields) {
+    const bool is_option = group.empty() || field == "frames";
+    std::string name = is_option ? option_name(field) : group;
+    if (!is_option) name.append(".").append(field);
+    message = with_name(message, field, name);
+  }
   throw Misuse(message);
 }
 

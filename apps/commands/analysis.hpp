@@ -26,7 +26,7 @@ struct AnalyzeOptions : pipeline::AnalyzeOptions {
 };
 
 /// A clip's analysis, and what its outputs need.
-struct Analysis {
+struct Analysis {    // NOLINT(bugprone-exception-escape): moving JSON does not throw
   std::string clip;  ///< its name in messages, report and summary
   pipeline::Analysis found;
   ReportInput report;  ///< its pictures

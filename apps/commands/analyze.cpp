@@ -166,7 +166,8 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
       ->excludes(bottom_up)
       ->excludes(curve_events);
   add_number(command, "--least-probability", options.least_probability, "P",
-             "Report events of this probability or more");
+             "Report events of this probability or more; 0.5 if not given")
+      ->default_str("");  // the column of names would be too wide
   add_sketch_options(command, options.sketch);
   command.add_flag_callback(
       "--no-jsonl", [&options] { options.jsonl = false; },
