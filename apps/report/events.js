@@ -209,7 +209,7 @@ function withoutEvents(expected, least) {
   const classes = Object.entries(expected.classes).filter(([, n]) => n >= .5).map(([name, n]) => `${name} ${number(Math.round(n))}`);
   return `No single change has a probability of ${least} or more (the likeliest has ${expected.likeliest}). Of the ${number(expected.of)} changes that the graphs show, `
     + `${range[0]} to ${range[1]} are expected to have happened (90 %${classes.length ? "; " + classes.join(", ") : ""}). events_all.json lists them, `
-    + `review.html shows the doubtful ones, and analyze --least-probability lowers the limit.`;
+    + `review.html shows the doubtful ones, and analyze --least-probability lowers the limit. Shapes that the sketch leaves out have no events.`;
 }
 
 function buildEvents() {
