@@ -21,8 +21,9 @@ struct CurveSection {
   std::uint32_t first = 0, last = 0;
 };
 
-/// Cuts a curve into sections of about `length` px. A closed curve is turned so that its point of most contrast
-/// is in the middle of the first section: neither where it was entered nor its direction matters. O(points).
+/// Cuts a curve into sections of about `length` px. A closed curve is turned so that its point of most
+/// contrast is in the middle of the first section: neither where it was entered nor its direction matters.
+/// O(points).
 std::vector<CurveSection> cut_into_sections(Chain& chain, double length);
 
 /// Appends the pixels within `reach` px of a section that are nearest to its points, not to those of its
