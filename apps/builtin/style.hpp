@@ -32,7 +32,7 @@ struct Style {
 const Style& style_of(BuiltinScene scene);
 
 /// Draws a new body: its rest curves, direction, contrast and width; without curves where its place does not
-/// fit. `flow`: four phases that all bodies of a clip share. `beside`: a point that it is near.
+/// fit. `flow`: four phases that all bodies of a clip share. `beside`: a nearby point.
 Body draw_body(const BuiltinOptions& options, const std::array<double, 4>& flow,
                std::optional<cv::Point2d> beside, core::Rng& rng);
 

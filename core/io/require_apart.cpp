@@ -118,7 +118,7 @@ void check_replaced(const Inputs& inputs, const fs::path& output, const fs::path
   check_contents(inputs, output, path);
 }
 
-/// Returns the path as the system resolves it, and as it is spelled: a writer may use either.
+/// Returns the path resolved by the system and as given: a writer may use either.
 std::set<fs::path> spellings(const fs::path& path) {
   std::error_code error;
   fs::path normal = fs::absolute(path, error).lexically_normal();
