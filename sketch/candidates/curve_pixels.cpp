@@ -90,10 +90,14 @@ class NearestInRow {
 
 }  // namespace
 
+void begin_at_strongest(Chain& chain) {
+  std::vector<CreasePoint>& points = chain.points;
+  std::rotate(points.begin(), std::ranges::max_element(points, {}, &CreasePoint::contrast), points.end());
+}
+
 std::vector<CurveSection> cut_into_sections(Chain& chain, double length) {
   std::vector<CreasePoint>& points = chain.points;
-  if (chain.closed)
-    std::rotate(points.begin(), std::ranges::max_element(points, {}, &CreasePoint::contrast), points.end());
+  if (chain.closed) begin_at_strongest(chain);
   std::vector<double> s = arc_lengths(chain);
   const double total =
       s.back() + (chain.closed ? distance(points.back().position, points.front().position) : 0);

@@ -21,6 +21,9 @@ struct CurveSection {
   std::uint32_t first = 0, last = 0;
 };
 
+/// Lets a closed curve begin at its point of most contrast. O(points).
+void begin_at_strongest(Chain& chain);
+
 /// Cuts a curve into sections of about `length` px. A closed curve is turned so that its point of most
 /// contrast is in the middle of the first section: neither where it was entered nor its direction matters.
 /// O(points).

@@ -347,10 +347,7 @@ class Selection {
       if (start == n && n > 0) {
         chains.push_back(c.chain);
         set_evidence(c, 0, n, chains.back());
-        // Patches are placed from the first point on.
-        std::vector<CreasePoint>& points = chains.back().points;
-        std::rotate(points.begin(), std::ranges::max_element(points, {}, &CreasePoint::contrast),
-                    points.end());
+        begin_at_strongest(chains.back());  // patches are placed from the first point on
         return;
       }
     }
