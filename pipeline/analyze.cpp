@@ -10,6 +10,7 @@
 #include "graph/curves/curve_strokes.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/background_texture.hpp"
+#include "pipeline/figures/figures.hpp"
 #include "pipeline/frame_synthesis.hpp"
 #include "pipeline/inference/clip_readings.hpp"
 #include "pipeline/inference/event_posterior.hpp"
@@ -78,9 +79,13 @@ std::vector<graph::Event> find_events(core::FrameSource& source, const StartSket
   return of_topology(event_posterior(source, readings, context));
 }
 
+bool holds_figures(const Figures& figures) {
+  return std::ranges::any_of(figures.motion.sketch.frames, [](const auto& graph) { return !graph.empty(); });
+}
+
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.
-void infer_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
-                  Analysis& analysis, mcmc::FitResult& fitted, core::StageClock& clock,
+void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figures figures,
+                  const AnalyzeOptions& options, Analysis& analysis, mcmc::FitResult& fitted, core::StageClock& clock,
                   const core::Context& context) {
   clock.begin("match");
   core::return_freed_memory();
@@ -89,6 +94,10 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, cons
     clock.begin("curves");
     group_curves(analysis, context);
     analysis.all_events = find_events(source, sketches, options, analysis.motion, clock, context);
+    if (holds_figures(figures)) {
+      add_figures(analysis.motion, analysis.all_events, std::move(figures));
+      group_curves(analysis, context);
+    }
     clock.begin("learn");
     core::return_freed_memory();
     fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
@@ -196,9 +205,19 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     if (!has_model) fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
     clock.begin("carry");
-    const StartSketches lasting =
+    StartSketches lasting =
         options.sketch.steady ? with_lasting_patches(source, sketches, context) : sketches;
-    infer_motion(source, lasting, options, analysis, fitted, clock, context);
+    Figures figures;
+    if (options.figures && !options.bottom_up && !options.curve_events && !options.sample) {
+      clock.begin("figures");
+      figures = find_figures(source, context);
+    }
+    if (holds_figures(figures)) {
+      lasting.clip.sketch = without_outlines(lasting.clip.sketch, figures.motion.sketch);
+      for (graph::SketchSequence& copy : lasting.perturbed)
+        copy = without_outlines(copy, figures.motion.sketch);
+    }
+    infer_motion(source, lasting, std::move(figures), options, analysis, fitted, clock, context);
     if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events});
   }
   if (options.review) {

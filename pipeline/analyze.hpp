@@ -41,6 +41,8 @@ struct AnalyzeOptions {
   int texture = 0;            ///< components of the texture between the strokes, 1…500; 0: none is learned
   bool bottom_up = false;     ///< the match unchanged, each event of probability 1
   bool curve_events = false;  ///< events of curves, not of strokes; touching and crossing are no events
+  /// Also follows figures, things wider than a line (find_figures); not with the three options about them.
+  bool figures = true;
   bool sample = false;        ///< sample graphs and links; events are then taken from the samples
   /// Also looks for events in a copy of the clip with added noise; those found again there are more probable.
   /// Takes about twice the time.

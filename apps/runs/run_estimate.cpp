@@ -21,6 +21,8 @@ namespace {
 // Other machines are assumed to be faster or slower by the same factor as in sketching a frame.
 constexpr double kSketchPixel = 0.35e-6, kSketchPatch = 1.4e-4;  // per frame, for each pixel and patch
 constexpr double kEventsPatch = 3e-4, kBottomUpPatch = 1.1e-4;
+constexpr double kFiguresPixel = 7e-7;  // per frame, for each pixel of at most the view's (figure_view)
+constexpr double kMostFigurePixels = 230e3;
 constexpr double kPictures = 0.04, kPicturesPixel = 5e-8, kPicturesPatch = 7e-5;
 // Cost of a model, in sketched frames: it is learned from clips drawn from it and some frames of the clip,
 // whatever its length.
@@ -87,8 +89,11 @@ std::optional<RunEstimate> estimate_run(core::FrameSource& source, const Analyze
     found.processor_seconds += seconds;
   };
   stage("sketch", {}, one * found.frames);
-  stage("events", {"carry", "match", "events"},
-        slowness * found.frames * patches * (options.bottom_up ? kBottomUpPatch : kEventsPatch));
+  const bool figures = !options.bottom_up && !options.curve_events;
+  stage("events", {"carry", "figures", "match", "events"},
+        slowness * found.frames *
+            (patches * (options.bottom_up ? kBottomUpPatch : kEventsPatch) +
+             (figures ? kFiguresPixel * std::min(pixels, kMostFigurePixels) : 0)));
   stage("model", {"fit", "balance", "synthesize", "render"}, kModel * one);
   stage("pictures", {},
         slowness * found.frames * (kPictures + kPicturesPixel * pixels + kPicturesPatch * patches));

@@ -18,7 +18,7 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr double kSlack = 0.14;     // share of what moves by which a seam may leave its place
-constexpr double kSmooth = 1.5;     // cells: SD of the smoothing of a seam, which follows whole cells
+constexpr double kSmoothSeam = 1.5;     // cells: SD of the smoothing of a seam, which follows whole cells
 constexpr float kStay = 0.5F;       // cost of a pixel that changes sides, relative to one under the seam
 constexpr double kShortWay = 0.02;  // share of the mean difference: cost of path length where all is alike
 constexpr int kPairs = 64;          // pairs of frames that measure the usual visibility of seams
@@ -133,7 +133,7 @@ cv::Mat Seams::join(const std::vector<cv::Mat>& frames, const SeamLines& lines) 
   const double feather = std::max(2.0, kFeather * std::max(out.cols, out.rows));
   for (std::size_t s = 0; s < lines.size(); ++s) {
     std::vector<float> line;
-    cv::GaussianBlur(cv::Mat(lines[s], false).reshape(1, 1), line, {}, kSmooth);
+    cv::GaussianBlur(cv::Mat(lines[s], false).reshape(1, 1), line, {}, kSmoothSeam);
     const auto place = [&](int along) {
       const double at = std::clamp((along + 0.5) / cell_ - 0.5, 0.0, double(line.size() - 1));
       const auto i = std::min(static_cast<std::size_t>(at), line.size() - 1);

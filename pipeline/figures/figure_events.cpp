@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "pipeline/figures/figure_changes.hpp"
+
+namespace emberfold::pipeline {
+
+using graph::EventType;
+
+namespace {
+
+constexpr double kLeastRadius = 5, kMostRadius = 40, kRadiusInWidths = 3;  // px; widths
+constexpr double kSameReach = 15, kSameFrames = 6;                         // px, or three widths; frames
+
+double radius_of(const FigureChange& change) {
+  return std::clamp(kRadiusInWidths * change.width, kLeastRadius, kMostRadius);
+}
+
+/// Returns the share of the pixels about a change whose motion is known.
+double followed(const FigureGround& ground, const FigureChange& change) {
+  const double radius = std::ceil(radius_of(change));
+  double sum = 0, count = 0;
+  const std::size_t first = std::max<std::size_t>(change.frame, 2) - 2;
+  const std::size_t end = std::min(change.frame + 2, ground.frames() - 1);
+  for (std::size_t t = first; t < end; ++t) {
+    const cv::Mat1b& returns = ground.to[t].returns;
+    const double across = double(returns.cols) / ground.view.size.width,
+                 down = double(returns.rows) / ground.view.size.height;
+    for (int y = 0; y < returns.rows; ++y)
+      for (int x = 0; x < returns.cols; ++x)
+        if (std::hypot((x + 0.5) / across - change.at.x, (y + 0.5) / down - change.at.y) <= radius)
+          sum += returns(y, x), ++count;
+  }
+  return count > 0 ? sum / count : 1;
+}
+
+using WeighedReading = std::vector<FigureEvent>;
+
+double reach_of(double width) {
+  return std::max(kSameReach, 3 * width);
+}
+
+/// Joins the changes that several thresholds of a polarity see.
+WeighedReading joined(const std::array<WeighedReading, kFigureThresholds.size()>& of) {
+  WeighedReading events;
+  std::array<std::vector<char>, kFigureThresholds.size()> used;
+  for (std::size_t k = 0; k < of.size(); ++k) used[k].assign(of[k].size(), 0);
+  for (std::size_t k = 0; k < of.size(); ++k)
+    for (std::size_t i = 0; i < of[k].size(); ++i) {
+      if (used[k][i] != 0) continue;
+      FigureEvent event = of[k][i];
+      for (std::size_t q = k + 1; q < of.size(); ++q) {
+        double nearest = std::numeric_limits<double>::max();
+        std::size_t same = of[q].size();
+        for (std::size_t j = 0; j < of[q].size(); ++j) {
+          const FigureChange &one = event.change, &other = of[q][j].change;
+          const double apart = cv::norm(one.at - other.at),
+                       late = std::abs(double(one.frame) - double(other.frame));
+          if (used[q][j] != 0 || one.type != other.type || apart >= reach_of(one.width) || late > kSameFrames)
+            continue;
+          if (apart + 3 * late < nearest) nearest = apart + 3 * late, same = j;
+        }
+        if (same == of[q].size()) continue;
+        used[q][same] = 1;
+        event.probability += of[q][same].probability;
+      }
+      event.probability /= double(of.size());
+      events.push_back(event);
+    }
+  return events;
+}
+
+bool is_other_side(const FigureEvent& one, const FigureEvent& other) {
+  const FigureChange &a = one.change, &b = other.change;
+  const bool opposite = (a.type == EventType::split && b.type == EventType::merge) ||
+                        (a.type == EventType::merge && b.type == EventType::split);
+  return opposite && one.reading / kFigureThresholds.size() != other.reading / kFigureThresholds.size() &&
+         std::abs(double(a.frame) - double(b.frame)) <= kSameFrames &&
+         cv::norm(a.at - b.at) <= reach_of(std::min(a.width, b.width));
+}
+
+}  // namespace
+
+std::vector<FigureEvent> weigh_figure_changes(const FigureRegions& all, const FigureGround& ground,
+                                              const core::Context& context) {
+  std::vector<FigureEvent> events;
+  for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) {
+    std::array<WeighedReading, kFigureThresholds.size()> of;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const std::size_t reading = p * kFigureThresholds.size() + k;
+      for (const FigureChange& change : find_figure_changes(all, reading, ground, context))
+        of[k].push_back({change, reading, followed(ground, change)});
+    }
+    std::ranges::move(joined(of), std::back_inserter(events));
+  }
+  std::ranges::sort(events, std::greater<>(), [](const FigureEvent& e) {
+    return std::tuple(e.probability, e.change.frame, e.change.at.x, e.change.at.y, e.reading);
+  });
+  std::vector<FigureEvent> once;
+  for (const FigureEvent& event : events)
+    if (std::ranges::none_of(once,
+                             [&](const FigureEvent& likelier) { return is_other_side(event, likelier); }))
+      once.push_back(event);
+  return once;
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/clip.hpp"
+#include "core/context.hpp"
+#include "pipeline/figures/figure_ground.hpp"
+
+namespace emberfold::pipeline {
+
+/// A connected region of a frame in which the amplitude exceeds a threshold.
+struct FigureRegion {
+  std::size_t frame = 0;
+  int area = 0;  ///< px of the view, as all lengths here
+  cv::Point2d centre;
+  cv::Rect box;
+  bool at_border = false;  ///< within 2 px of the frame's or the mask's border
+  int rim = 0;             ///< pixels of the outline
+  int steps = 0;           ///< of those, at which the level changes by half of the contrast within 6 px
+  /// Sums of squares, (grey levels)², that a plane and that two levels leave within 4 px of the region.
+  double plane = 0, figure = 0;
+  double thickness = 0;  ///< diameter of the largest disc inside
+  bool is_figure = false;
+  bool is_removed = false;
+  std::vector<std::size_t> next, before;  ///< regions of the next frame and the one before that continue it
+
+  /// Returns the width of a strip of this area and outline; half of the diameter of a disc.
+  [[nodiscard]] double width() const { return 2. * area / std::max(1, rim); }
+};
+
+/// The regions of all frames for one polarity and one threshold of the amplitude.
+struct FigureReading {
+  std::size_t polarity = 0;  ///< index of kFigurePolarities
+  std::vector<FigureRegion> regions;
+  /// By frame, the region of each connected component of its labels, less 1; kNoRegion for small ones.
+  std::vector<std::vector<std::size_t>> of_component;
+};
+inline constexpr std::size_t kNoRegion = ~std::size_t{0};
+
+/// Thresholds of the amplitude. A change that is seen at all of them is sure.
+inline constexpr std::array<double, 3> kFigureThresholds = {0, -0.3, 0.3};
+inline constexpr std::size_t kFigureReadings = kFigurePolarities.size() * kFigureThresholds.size();
+
+/// Holds a clip's regions for each polarity (its thresholds one after the other).
+struct FigureRegions {
+  std::vector<cv::Mat1b> labels;  ///< by frame; bit r: inside a region of reading r
+  std::array<FigureReading, kFigureReadings> readings;
+};
+
+/// Finds the regions of a clip, which is read once. Throws core::Cancelled. O(pixels).
+FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround& ground,
+                                  const core::Context& context);
+
+/// Returns the region of each pixel of a frame, plus 1; 0: none, or a removed one.
+cv::Mat1i region_numbers(const FigureRegions& all, std::size_t reading, std::size_t frame);
+
+/// Links the regions of neighbouring frames that overlap where motion takes them, removes those that last for
+/// less than 3 frames or whose outlines are no steps, and says which are figures. A figure explains the frame
+/// better than an even slope does, and is wider than a line (12 px), or small and compact, in some frame of
+/// those that links join.
+void link_figure_regions(FigureRegions& all, const FigureGround& ground, const core::Context& context);
+
+}  // namespace emberfold::pipeline

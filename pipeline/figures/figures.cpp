@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/figures/figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "pipeline/figures/figure_changes.hpp"
+#include "pipeline/figures/figure_graphs.hpp"
+
+namespace emberfold::pipeline {
+
+using graph::EventType;
+
+namespace {
+
+constexpr int kLeastSide = 32;    // px of the view: smaller frames hold no figures
+constexpr double kOnOutline = 4;  // px
+
+/// Returns whether a change of regions is one of strokes of this type.
+bool is_change(EventType of_regions, EventType of_strokes) {
+  if (of_regions == EventType::split)
+    return of_strokes == EventType::split || of_strokes == EventType::disconnect;
+  if (of_regions == EventType::merge)
+    return of_strokes == EventType::merge || of_strokes == EventType::connect;
+  return of_regions == of_strokes;
+}
+
+/// Returns the strokes' changes, each with the probability and place of the change of regions that it is.
+std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector<FigureEvent>& weighed) {
+  using Region = std::pair<std::size_t, std::size_t>;  // reading and index
+  std::map<Region, graph::SubgraphId> stroke_of;
+  for (std::size_t t = 0; t < drawn.region_of.size(); ++t)
+    for (std::size_t v = 0; v < drawn.region_of[t].size(); ++v)
+      stroke_of[{drawn.reading_of[t][v], drawn.region_of[t][v]}] =
+          drawn.motion.sketch.frames[t].vertices()[v].subgraph;
+  std::multimap<std::size_t, const FigureEvent*> of_frame;
+  for (const FigureEvent& event : weighed) of_frame.emplace(event.change.frame, &event);
+  auto events = graph::stroke_events(drawn.motion);
+  for (graph::Event& event : events) {
+    event.probability = 0;
+    const auto names = [&](Region region) {
+      const auto stroke = stroke_of.find(region);
+      return stroke != stroke_of.end() &&
+             (std::ranges::find(event.before, stroke->second) != event.before.end() ||
+              std::ranges::find(event.after, stroke->second) != event.after.end());
+    };
+    const auto [first, last] = of_frame.equal_range(static_cast<std::size_t>(event.frame));
+    for (auto it = first; it != last; ++it) {
+      const FigureEvent& is = *it->second;
+      if (!is_change(is.change.type, event.type) || is.probability <= event.probability ||
+          !names({is.reading, is.change.whole}) || !names({is.reading, is.change.part}))
+        continue;
+      event.probability = is.probability;
+    }
+  }
+  graph::sort_events(events);
+  return events;
+}
+
+}  // namespace
+
+Figures find_figures(core::FrameSource& source, const core::Context& context) {
+  const FigureView view = figure_view(source.info());
+  if (std::min(view.size.width, view.size.height) < kLeastSide) return {};
+  const FigureGround ground = measure_figure_ground(source, context);
+  FigureRegions regions = find_figure_regions(source, ground, context);
+  link_figure_regions(regions, ground, context);
+  const auto weighed = weigh_figure_changes(regions, ground, context);
+  DrawnFigures drawn = draw_figures(source, regions, ground, context);
+  auto events = events_of(drawn, weighed);
+  return {std::move(drawn.motion), std::move(events)};
+}
+
+graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
+                                       const graph::SketchSequence& outlines) {
+  graph::SketchSequence left{lines.width, lines.height, lines.fps, {}};
+  for (std::size_t t = 0; t < lines.frames.size(); ++t) {
+    const auto &of_lines = lines.frames[t], &of_figures = outlines.frames[t];
+    if (of_figures.empty()) {
+      left.append(of_lines);
+      continue;
+    }
+    cv::Mat1b away(lines.height, lines.width, std::uint8_t{255});
+    const auto pixel = [&](graph::VertexId id) {
+      const graph::Point p = of_figures.patch(of_figures.index_of(id)).position;
+      return cv::Point(cvRound(p.x), cvRound(p.y));
+    };
+    for (const graph::Edge& edge : of_figures.edges()) cv::line(away, pixel(edge.a), pixel(edge.b), 0);
+    cv::Mat1f distance;
+    cv::distanceTransform(away, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    const auto stays = [&](std::size_t i) {
+      const graph::Patch& patch = of_lines.patch(i);
+      const int x = std::clamp(cvRound(patch.position.x), 0, lines.width - 1),
+                y = std::clamp(cvRound(patch.position.y), 0, lines.height - 1);
+      return distance(y, x) > kOnOutline + patch.width / 2 + patch.blur;
+    };
+    std::vector<graph::Vertex> vertices;
+    std::vector<graph::Edge> edges;
+    for (std::size_t i = 0; i < of_lines.size(); ++i)
+      if (stays(i)) vertices.push_back(of_lines.vertices()[i]);
+    for (const graph::Edge& edge : of_lines.edges())
+      if (stays(of_lines.index_of(edge.a)) && stays(of_lines.index_of(edge.b))) edges.push_back(edge);
+    left.append(graph::AttributeGraph(std::move(vertices), std::move(edges), of_lines.memory()));
+  }
+  return left;
+}
+
+void add_figures(graph::MotionGraph& lines, std::vector<graph::Event>& events, Figures figures) {
+  graph::MotionGraph joined;
+  joined.sketch = {lines.sketch.width, lines.sketch.height, lines.sketch.fps, {}};
+  joined.links.resize(lines.sketch.frames.size());
+  using Ids = std::map<graph::VertexId, graph::VertexId>;
+  struct Part {
+    graph::MotionGraph& motion;
+    Ids before, now;
+  };
+  std::array<Part, 2> parts{Part{lines, {}, {}}, Part{figures.motion, {}, {}}};
+  std::uint32_t first = 0;
+  for (std::size_t t = 0; t < joined.links.size(); ++t) {
+    std::vector<graph::Vertex> vertices;
+    std::vector<graph::Edge> edges;
+    for (Part& part : parts) {
+      part.before = std::exchange(part.now, {});
+      const graph::AttributeGraph& graph = part.motion.sketch.frames[t];
+      for (const graph::Vertex& vertex : graph.vertices()) {
+        const graph::VertexId id{first + static_cast<std::uint32_t>(vertices.size())};
+        part.now.emplace(vertex.id, id);
+        vertices.push_back({id, {}, vertex.patch});
+      }
+      for (const graph::Edge& edge : graph.edges()) edges.push_back({part.now[edge.a], part.now[edge.b]});
+      for (const graph::Link& link : part.motion.links[t])
+        joined.links[t].push_back({part.before[link.before], part.now[link.after]});
+    }
+    std::ranges::sort(joined.links[t]);
+    first += static_cast<std::uint32_t>(vertices.size());
+    const auto memory = lines.sketch.frames[t].memory();
+    joined.sketch.append(graph::AttributeGraph(std::move(vertices), std::move(edges), memory));
+  }
+  joined = graph::identify(std::move(joined));
+  std::array<std::map<graph::SubgraphId, graph::SubgraphId>, 2> names;
+  for (std::size_t t = 0; t < joined.links.size(); ++t) {
+    std::size_t i = 0;
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      for (const graph::Vertex& vertex : parts[k].motion.sketch.frames[t].vertices())
+        names[k].emplace(vertex.subgraph, joined.sketch.frames[t].vertices()[i++].subgraph);
+  }
+  const auto rename = [&](std::vector<graph::Event>& of, std::size_t k) {
+    for (graph::Event& event : of)
+      for (auto* strokes : {&event.before, &event.after})
+        for (graph::SubgraphId& stroke : *strokes) stroke = names[k].at(stroke);
+  };
+  rename(events, 0), rename(figures.events, 1);
+  events.insert(events.end(), figures.events.begin(), figures.events.end());
+  graph::sort_events(events);
+  lines = std::move(joined);
+}
+
+}  // namespace emberfold::pipeline

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/figures/figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "core/parallel.hpp"
+#include "pipeline/figures/figure_ground.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/sketch_scene.hpp"
+
+using namespace emberfold;
+using namespace emberfold::test;
+using graph::EventType;
+
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120, kFrames = 40;
+
+using Scene = std::function<double(Point, int)>;
+
+core::Clip film(const Scene& level, cv::Size size = {kWidth, kHeight}) {
+  core::Clip clip;
+  clip.info.width = size.width, clip.info.height = size.height, clip.info.channels = 1;
+  clip.info.frames = kFrames;
+  for (int t = 0; t < kFrames; ++t) {
+    const cv::Mat1f levels =
+        with_noise(draw(size, [&](Point p) { return level(p, t); }), 2, static_cast<std::uint64_t>(t) + 1);
+    cv::Mat bytes;
+    levels.convertTo(bytes, CV_8U);
+    clip.frames.push_back(bytes);
+  }
+  return clip;
+}
+
+pipeline::Figures figures_of(const core::Clip& clip) {
+  core::ClipSource source(clip);
+  return pipeline::find_figures(source);
+}
+
+/// 1 inside a disc, 0 outside, with an edge blurred by 1.5 px.
+double disc(Point p, Point centre, double radius) {
+  return reached(radius - distance(p, centre), 1.5);
+}
+
+double levels(double cover, bool bright) {
+  return bright ? 60 + 90 * cover : 150 - 90 * cover;
+}
+
+/// Two discs that approach each other and touch in the middle of the clip, then stay.
+Scene approaching(bool bright) {
+  return [=](Point p, int t) {
+    const double half = std::max(14., 26 - 0.5 * t);  // touch at 16
+    return levels(std::max(disc(p, {80 - half, 60}, 16), disc(p, {80 + half, 60}, 16)), bright);
+  };
+}
+
+std::vector<graph::Event> believed(const pipeline::Figures& figures) {
+  std::vector<graph::Event> events;
+  std::ranges::copy_if(figures.events, std::back_inserter(events),
+                       [](const graph::Event& e) { return e.probability >= 0.5; });
+  return events;
+}
+
+bool unites(EventType type) {
+  return type == EventType::merge || type == EventType::connect;
+}
+bool separates(EventType type) {
+  return type == EventType::split || type == EventType::disconnect;
+}
+
+core::Clip backwards(core::Clip clip) {
+  std::ranges::reverse(clip.frames);
+  return clip;
+}
+
+}  // namespace
+
+TEST_CASE("two discs that touch are one union, at the place and time where they do") {
+  const bool bright = GENERATE(true, false);
+  CAPTURE(bright);
+  const auto clip = film(approaching(bright));
+  const auto figures = figures_of(clip);
+  graph::validate(figures.motion);
+  const auto events = believed(figures);
+  REQUIRE(events.size() == 1);
+  CHECK(unites(events[0].type));
+  CHECK(std::abs(events[0].frame - 20) <= 4);
+  CHECK(distance(events[0].position, {80, 60}) < 8);
+  CHECK(events[0].probability > 0.9);
+  CHECK(events[0].before.size() == 2);
+  CHECK(graph::components(figures.motion.sketch.frames.front()).count == 2);
+  CHECK(graph::components(figures.motion.sketch.frames.back()).count == 1);
+}
+
+TEST_CASE("a clip played backwards parts where it unites") {
+  const auto clip = film(approaching(true));
+  const auto there = believed(figures_of(clip)), back = believed(figures_of(backwards(clip)));
+  REQUIRE(there.size() == 1);
+  REQUIRE(back.size() == 1);
+  CHECK(separates(back[0].type));
+  CHECK(back[0].frame == kFrames - there[0].frame);
+  CHECK(distance(back[0].position, there[0].position) < 2);
+}
+
+TEST_CASE("a disc that shrinks away dies; one that leaves the picture does not") {
+  const auto clip = film([](Point p, int t) {
+    const double radius = 14 - 0.5 * t;
+    const double shrinking = radius > 0 ? disc(p, {50, 60}, radius) : 0;
+    return levels(std::max(shrinking, disc(p, {110 + 2. * t, 60}, 14)), true);
+  });
+  const auto events = believed(figures_of(clip));
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].type == EventType::death);
+  CHECK(distance(events[0].position, {50, 60}) < 5);
+  CHECK(events[0].frame > 16);
+  CHECK(events[0].frame <= 30);
+}
+
+TEST_CASE("thin lines, noise, and smooth shading are no figures") {
+  const auto scene = GENERATE(0, 1, 2);
+  CAPTURE(scene);
+  const auto clip = film([=](Point p, int t) {
+    if (scene == 0) return levels(segment({30, 40}, {130, 80}, 3, 1)(p), true);
+    if (scene == 1) return 100.;
+    return 100 + 30 * std::sin((p.x + t) / 40) * std::cos(p.y / 50);
+  });
+  for (const auto& graph : figures_of(clip).motion.sketch.frames) CHECK(graph.empty());
+}
+
+TEST_CASE("outlines lie on the edge, with the levels of both sides and the bright one to the right") {
+  const bool bright = GENERATE(true, false);
+  CAPTURE(bright);
+  const Point centre{80, 60};
+  const auto clip = film([=](Point p, int) { return levels(disc(p, centre, 24), bright); });
+  const auto figures = figures_of(clip);
+  CHECK(figures.events.empty());
+  const auto& graph = figures.motion.sketch.frames[kFrames / 2];
+  REQUIRE(graph.size() > 20);
+  CHECK(graph.edges().size() == graph.size());
+  CHECK(graph::components(graph).count == 1);
+  for (const graph::Vertex& vertex : graph.vertices()) {
+    const graph::Patch& patch = vertex.patch;
+    CHECK(std::abs(distance(patch.position, centre) - 24) < 0.7);
+    CHECK(std::abs(patch.right[0] - 150) < 12);
+    CHECK(std::abs(patch.left[0] - 60) < 12);
+    CHECK(patch.contrast > 70);
+    CHECK(std::abs(patch.blur - 1.5) < 0.7);
+    const Point right{-std::sin(patch.theta), std::cos(patch.theta)};
+    CHECK((dot(right, centre - patch.position) > 0) == bright);
+    CHECK(patch.evidence > 0);
+  }
+}
+
+TEST_CASE("figures are the same bytes at any number of threads") {
+  const auto clip = film(approaching(true));
+  const auto with = [&](std::size_t threads) {
+    const core::ThreadLimit limit(threads);
+    return figures_of(clip);
+  };
+  const auto one = with(1), two = with(2);
+  CHECK(one.motion == two.motion);
+  CHECK(one.events == two.events);
+}
+
+TEST_CASE("large frames are reduced before figures are looked for") {
+  CHECK(pipeline::figure_view({.width = 320, .height = 240}).factor == 1);
+  const auto view = pipeline::figure_view({.width = 1283, .height = 721});
+  CHECK(view.factor == 2);
+  CHECK(view.size == cv::Size(641, 360));
+  CHECK(view.in_frame(0, 0).x == 0.5);
+  constexpr double kScale = 4.5;
+  const auto clip = film([](Point p, int t) { return approaching(true)(p * (1 / kScale), t); }, {720, 540});
+  REQUIRE(pipeline::figure_view(clip.info).factor == 2);
+  const auto events = believed(figures_of(clip));
+  REQUIRE(events.size() == 1);
+  CHECK(unites(events[0].type));
+  CHECK(distance(events[0].position, Point{80, 60} * kScale) < 8 * kScale);
+}
+
+TEST_CASE("lines that lie on outlines are left out, others stay") {
+  const auto clip = film([](Point p, int) { return levels(disc(p, {80, 60}, 24), true); });
+  const auto outlines = figures_of(clip).motion.sketch;
+  graph::Patch flank, apart;
+  flank.position = {106, 60}, flank.width = 2, apart.position = {130, 60}, apart.width = 2;
+  const auto vertex = [](std::uint32_t id, const graph::Patch& patch) {
+    return graph::Vertex{graph::VertexId{id}, {}, patch};
+  };
+  graph::SketchSequence lines{kWidth, kHeight, 25, {}};
+  for (int t = 0; t < kFrames; ++t)
+    lines.append(graph::AttributeGraph({vertex(0, flank), vertex(1, apart)},
+                                       {{graph::VertexId{0}, graph::VertexId{1}}}));
+  const auto left = pipeline::without_outlines(lines, outlines);
+  for (const auto& graph : left.frames) {
+    REQUIRE(graph.size() == 1);
+    CHECK(graph.patch(0) == apart);
+  }
+}
+
+TEST_CASE("figures join the lines of a clip, and events name the strokes of both") {
+  const auto clip = film(approaching(true));
+  auto figures = figures_of(clip);
+  graph::MotionGraph lines;
+  lines.sketch = {kWidth, kHeight, 25, {}};
+  for (int t = 0; t < kFrames; ++t) {
+    graph::Patch patch;
+    patch.position = {10, 10};
+    lines.sketch.append(t < 30 ? graph::AttributeGraph({{graph::VertexId{0}, {}, patch}}, {})
+                               : graph::AttributeGraph());
+    lines.links.emplace_back();
+    const auto id = static_cast<std::uint32_t>(t);
+    if (t > 0 && t < 30) lines.links.back().push_back({graph::VertexId{id - 1}, graph::VertexId{id}});
+  }
+  lines = graph::identify(lines);
+  auto events = graph::stroke_events(lines);
+  REQUIRE(events.size() == 1);
+  const std::size_t of_figures = figures.events.size();
+  const auto outlines = figures.motion.sketch;
+  pipeline::add_figures(lines, events, std::move(figures));
+  graph::validate(lines);
+  CHECK(lines.sketch.frames[0].size() == outlines.frames[0].size() + 1);
+  CHECK(lines.sketch.frames[39].size() == outlines.frames[39].size());
+  REQUIRE(events.size() == of_figures + 1);
+  const auto again = graph::stroke_events(lines);
+  REQUIRE(again.size() == events.size());
+  for (std::size_t k = 0; k < events.size(); ++k) {
+    CHECK(events[k].before == again[k].before);
+    CHECK(events[k].after == again[k].after);
+  }
+}
