@@ -88,11 +88,11 @@ EdgeSums edge_sums(const cv::Mat1f& level, double noise, int polarity) {
 
 /// Returns a neighbouring frame's sums as they arrive along `motion` (this frame → that one).
 EdgeSums carried(const EdgeSums& sums, const FigureMotion& motion) {
-  const cv::Mat2f vectors = resized(motion.vectors, sums.size(), cv::INTER_AREA);
   cv::Mat2f map(sums.size());
   for (int y = 0; y < map.rows; ++y)
     for (int x = 0; x < map.cols; ++x)
-      map(y, x) = cv::Vec2f(static_cast<float>(x), static_cast<float>(y)) + vectors(y, x) / kFigureCell;
+      map(y, x) =
+          cv::Vec2f(static_cast<float>(x), static_cast<float>(y)) + motion.vectors(y, x) / kFigureCell;
   EdgeSums out;
   cv::remap(sums, out, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return out;
@@ -138,6 +138,14 @@ struct FirstLook {
   double noise = 0;               // SD after smoothing
 };
 
+/// Returns a motion on the grid of cells: the finer one would take most of the memory.
+FigureMotion on_cells(const cv::Mat2f& there, const cv::Mat2f& back, cv::Size view) {
+  cv::Mat1f share;
+  returning(there, back, view).convertTo(share, CV_32F);
+  const cv::Size cells = cells_of(view);
+  return {resized(there, cells, cv::INTER_AREA), cv::Mat(resized(share, cells, cv::INTER_AREA) > 0.5F) / 255};
+}
+
 void measure_motion(const std::vector<cv::Mat1f>& lumas, FigureGround& ground, const core::Context& context) {
   const cv::Size view = ground.view.size;
   ground.to.resize(lumas.size()), ground.from.resize(lumas.size());
@@ -145,8 +153,8 @@ void measure_motion(const std::vector<cv::Mat1f>& lumas, FigureGround& ground, c
     const cv::Scalar scale(double(view.width) / lumas[t].cols, double(view.height) / lumas[t].rows);
     const cv::Mat2f on = dytex::optical_flow(lumas[t], lumas[t + 1], kVectors).mul(scale),
                     back = dytex::optical_flow(lumas[t + 1], lumas[t], kVectors).mul(scale);
-    ground.to[t] = {on, returning(on, back, view)};
-    ground.from[t + 1] = {back, returning(back, on, view)};
+    ground.to[t] = on_cells(on, back, view);
+    ground.from[t + 1] = on_cells(back, on, view);
   });
 }
 
@@ -229,7 +237,7 @@ FigureGround measure_figure_ground(core::FrameSource& source, const core::Contex
   measure_motion(lumas, ground, context);
   ground.levels.resize(lumas.size());
   for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) {
-    auto joined = joined_levels(edges[p], ground);
+    auto joined = joined_levels(std::exchange(edges[p], {}), ground);
     for (std::size_t t = 0; t < joined.size(); ++t) ground.levels[t][p] = std::move(joined[t]);
   }
   return ground;

@@ -28,7 +28,9 @@ FigureView figure_view(const core::ClipInfo& info);
 /// Returns the luma of a frame as the view shows it: CV_32F, white = 255, smoothed by a Gaussian of 1 px.
 cv::Mat1f figure_level(const cv::Mat& frame, const core::ClipInfo& info, const FigureView& view);
 
-/// The motion of a view's pixels to a neighbouring frame, on a coarser grid.
+inline constexpr int kFigureCell = 4;  // px of the view
+
+/// The motion of a view's pixels to a neighbouring frame, on a grid of kFigureCell px.
 struct FigureMotion {
   cv::Mat2f vectors;  ///< px of the view
   cv::Mat1b returns;  ///< 1 where the motion there and back again ends within 1.5 px of its start
@@ -52,7 +54,6 @@ struct FigureGround {
 
   [[nodiscard]] std::size_t frames() const { return levels.size(); }
 };
-inline constexpr int kFigureCell = 4;  // px of the view
 
 /// Measures the levels of figures and ground in a clip, which is read once.
 /// The level half way between a figure and its ground is the mean level of the edges near by, weighted by

@@ -94,6 +94,7 @@ TEST_CASE("two discs that touch are one union, at the place and time where they 
   CHECK(std::abs(events[0].frame - 20) <= 4);
   CHECK(distance(events[0].position, {80, 60}) < 8);
   CHECK(events[0].probability > 0.9);
+  CHECK(events[0].probability <= 1);
   CHECK(events[0].before.size() == 2);
   CHECK(graph::components(figures.motion.sketch.frames.front()).count == 2);
   CHECK(graph::components(figures.motion.sketch.frames.back()).count == 1);
