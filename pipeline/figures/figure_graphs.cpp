@@ -26,7 +26,6 @@ constexpr std::size_t kLeastPatches = 4;  // of a ring
 constexpr int kAveraged = 3;              // px to either side, over which an outline of pixels is averaged
 constexpr double kBesideOutline = 3;      // px, where levels inside and outside are read
 constexpr double kSearch = 2;             // px, to either side, for the place of the outline
-constexpr double kOutlineBorder = 2.5;    // px
 // Ground has more than this of its outline at the border, or outlines more than this of the border.
 constexpr double kMostAtBorder = 0.5, kMostOfBorder = 0.3;
 constexpr double kLeastBlur = 0.5, kMostBlur = 8;  // px
@@ -36,6 +35,7 @@ constexpr double kLinkReach = 2;                   // spacings that linked patch
 struct Frame {
   cv::Mat1f level, middle;  // of the view: luma; the level half way, of one polarity
   cv::Mat levels;           // of the frame, all channels
+  cv::Mat1b inner;          // of the view: where outlines do not run along the border
   const FigureView& view;
   double sign = 1;   // of the polarity
   double noise = 1;  // SD, grey levels
@@ -64,8 +64,8 @@ struct Frame {
   }
   [[nodiscard]] double amplitude(Point p) const { return sign * (at(level, p) - at(middle, p)); }
   [[nodiscard]] bool is_at_border(Point p) const {
-    return p.x < kOutlineBorder || p.y < kOutlineBorder || p.x > level.cols - 1 - kOutlineBorder ||
-           p.y > level.rows - 1 - kOutlineBorder;
+    return inner(std::clamp(cvRound(p.y), 0, inner.rows - 1), std::clamp(cvRound(p.x), 0, inner.cols - 1)) ==
+           0;
   }
 };
 
@@ -166,8 +166,13 @@ FrameFigures draw_frame(const cv::Mat& image, const core::ClipInfo& info, std::s
   FrameFigures drawn;
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
-  Frame frame{
-      figure_level(image, info, ground.view), {}, core::to_levels(image, info), ground.view, 1, ground.noise};
+  Frame frame{figure_level(image, info, ground.view),
+              {},
+              core::to_levels(image, info),
+              inner_part(ground, t),
+              ground.view,
+              1,
+              ground.noise};
   const double most_border = kMostOfBorder * 2 * (ground.view.size.width + ground.view.size.height);
   for (std::size_t r = 0; r < kFigureReadings; r += kFigureThresholds.size()) {
     const FigureReading& reading = all.readings[r];
@@ -288,7 +293,7 @@ DrawnFigures draw_figures(core::FrameSource& source, const FigureRegions& all, c
     return draw_frame(frame, info, static_cast<std::size_t>(t), all, ground);
   };
   core::stream_frames(source, "figures", info.frames, context, draw, [&](int, FrameFigures frame) {
-    drawn.motion.sketch.append(frame.graph);
+    drawn.motion.sketch.append(frame.graph.kept_in(context.memory()));
     drawn.region_of.push_back(std::move(frame.region_of));
     drawn.reading_of.push_back(std::move(frame.reading_of));
   });

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -149,26 +150,37 @@ FigureMotion on_cells(const cv::Mat2f& there, const cv::Mat2f& back, cv::Size vi
 void measure_motion(const std::vector<cv::Mat1f>& lumas, FigureGround& ground, const core::Context& context) {
   const cv::Size view = ground.view.size;
   ground.to.resize(lumas.size()), ground.from.resize(lumas.size());
+  std::vector<ImageBlocks> blocks(lumas.size());
+  const auto kept = [&](FigureMotion motion, std::size_t t) {
+    motion.vectors = kept_image(motion.vectors, context.memory(), blocks[t]);
+    motion.returns = kept_image(motion.returns, context.memory(), blocks[t]);
+    return motion;
+  };
   core::parallel_for(lumas.size() - 1, context, [&](std::size_t t) {
     const cv::Scalar scale(double(view.width) / lumas[t].cols, double(view.height) / lumas[t].rows);
     const cv::Mat2f on = dytex::optical_flow(lumas[t], lumas[t + 1], kVectors).mul(scale),
                     back = dytex::optical_flow(lumas[t + 1], lumas[t], kVectors).mul(scale);
-    ground.to[t] = on_cells(on, back, view);
-    ground.from[t + 1] = on_cells(back, on, view);
+    ground.to[t] = kept(on_cells(on, back, view), t);
+    ground.from[t + 1] = kept(on_cells(back, on, view), t);
   });
+  for (ImageBlocks& block : blocks) std::ranges::move(block, std::back_inserter(ground.blocks));
 }
 
 /// Joins the edges of all frames, carried forwards and backwards alike.
-std::vector<cv::Mat2f> joined_levels(const std::vector<EdgeSums>& edges, const FigureGround& ground) {
+std::vector<cv::Mat2f> joined_levels(const std::vector<EdgeSums>& edges, FigureGround& ground,
+                                     const core::LargeMemory& memory) {
   const std::size_t frames = edges.size();
   std::vector<EdgeSums> before(frames);
+  ImageBlocks blocks;
   for (std::size_t t = 0; t < frames; ++t)
-    before[t] = t > 0 ? EdgeSums(edges[t] + kCarried * carried(before[t - 1], ground.from[t])) : edges[t];
+    before[t] = kept_image(
+        t > 0 ? cv::Mat(edges[t] + kCarried * carried(before[t - 1], ground.from[t])) : cv::Mat(edges[t]),
+        memory, blocks);
   std::vector<cv::Mat2f> levels(frames);
   EdgeSums after;
   for (std::size_t t = frames; t-- > 0;) {
     after = t + 1 < frames ? EdgeSums(edges[t] + kCarried * carried(after, ground.to[t])) : edges[t];
-    levels[t] = levels_of(before[t] + after - edges[t]);
+    levels[t] = kept_image(levels_of(before[t] + after - edges[t]), memory, ground.blocks);
   }
   return levels;
 }
@@ -212,11 +224,14 @@ FigureGround measure_figure_ground(core::FrameSource& source, const core::Contex
   std::vector<cv::Mat1f> lumas;
   std::array<std::vector<EdgeSums>, 2> edges;
   std::vector<double> noises;
+  ImageBlocks blocks;  // of lumas and edges
+  const auto kept = [&](const cv::Mat& image) { return kept_image(image, context.memory(), blocks); };
   const auto keep_mask = [&](int, const cv::Mat&) {
     const cv::Mat mask = core::mask_of(source);
     if (mask.empty()) return;
     const cv::Mat seen = mask(cv::Rect({0, 0}, view * ground.view.factor));
-    ground.masks.emplace_back(cv::Mat(resized(seen, view, cv::INTER_NEAREST) != 0) / 255);
+    const cv::Mat counts = cv::Mat(resized(seen, view, cv::INTER_NEAREST) != 0) / 255;
+    ground.masks.emplace_back(kept_image(counts, context.memory(), ground.blocks));
   };
   const auto look = [&](int, const cv::Mat& frame) {
     const cv::Mat1f level = figure_level(frame, info, ground.view);
@@ -228,16 +243,16 @@ FigureGround measure_figure_ground(core::FrameSource& source, const core::Contex
     return first;
   };
   core::stream_frames(source, "figures", info.frames, context, keep_mask, look, [&](int, FirstLook first) {
-    lumas.push_back(std::move(first.luma));
+    lumas.emplace_back(kept(first.luma));
     noises.push_back(first.noise);
-    for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) edges[p].push_back(std::move(first.edges[p]));
+    for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) edges[p].emplace_back(kept(first.edges[p]));
   });
   ground.noise = middle_of(noises);
   ground.least_half = least_contrast(ground.noise) / 2;
   measure_motion(lumas, ground, context);
   ground.levels.resize(lumas.size());
   for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) {
-    auto joined = joined_levels(std::exchange(edges[p], {}), ground);
+    auto joined = joined_levels(edges[p], ground, context.memory());
     for (std::size_t t = 0; t < joined.size(); ++t) ground.levels[t][p] = std::move(joined[t]);
   }
   return ground;

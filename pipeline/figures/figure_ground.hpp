@@ -10,6 +10,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "graph/patch.hpp"
+#include "pipeline/figures/kept_image.hpp"
 
 namespace emberfold::pipeline {
 
@@ -51,6 +52,7 @@ struct FigureGround {
   /// By frame and polarity, on a grid of kFigureCell px: the level half way between figure and ground, and
   /// half of their contrast.
   std::vector<std::array<cv::Mat2f, 2>> levels;
+  ImageBlocks blocks;  ///< that they lie in
 
   [[nodiscard]] std::size_t frames() const { return levels.size(); }
 };

@@ -27,15 +27,6 @@ struct FrameRegions {
   std::vector<std::size_t> of_component;  // counted within the frame
 };
 
-/// Returns where pixels are further than 2 px from what is not seen.
-cv::Mat1b inner_part(const FigureGround& ground, std::size_t frame) {
-  const cv::Mat1b seen =
-      ground.masks.empty() ? cv::Mat1b(ground.view.size, std::uint8_t{1}) : ground.masks[frame];
-  cv::Mat1b inner;
-  cv::erode(seen, inner, cv::Mat(), {-1, -1}, kSeenBorder, cv::BORDER_CONSTANT, 0);
-  return inner;
-}
-
 /// Adds the outlines of a frame's regions: their pixels, and how many of them are steps.
 void measure_rims(const cv::Mat1b& label, const cv::Mat1i& number, const cv::Mat1f& level,
                   const cv::Mat1f& half, const cv::Mat1b& inner, int polarity,
@@ -138,6 +129,14 @@ FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureG
 
 }  // namespace
 
+cv::Mat1b inner_part(const FigureGround& ground, std::size_t frame) {
+  const cv::Mat1b seen =
+      ground.masks.empty() ? cv::Mat1b(ground.view.size, std::uint8_t{1}) : ground.masks[frame];
+  cv::Mat1b inner;
+  cv::erode(seen, inner, cv::Mat(), {-1, -1}, kSeenBorder, cv::BORDER_CONSTANT, 0);
+  return inner;
+}
+
 FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround& ground,
                                   const core::Context& context) {
   FigureRegions all;
@@ -147,7 +146,7 @@ FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround&
     return label_frame(figure_level(frame, info, ground.view), static_cast<std::size_t>(t), ground);
   };
   core::stream_frames(source, "figures", info.frames, context, label, [&](int, FrameLabels frame) {
-    all.labels.push_back(frame.labels);
+    all.labels.emplace_back(kept_image(frame.labels, context.memory(), all.blocks));
     for (std::size_t r = 0; r < kFigureReadings; ++r) {
       FigureReading& reading = all.readings[r];
       for (std::size_t& index : frame.readings[r].of_component)

@@ -51,7 +51,11 @@ inline constexpr std::size_t kFigureReadings = kFigurePolarities.size() * kFigur
 struct FigureRegions {
   std::vector<cv::Mat1b> labels;  ///< by frame; bit r: inside a region of reading r
   std::array<FigureReading, kFigureReadings> readings;
+  ImageBlocks blocks;  ///< that labels lie in
 };
+
+/// Returns the pixels of a frame further than 2 px from the border of frame and mask: 0 or 1.
+cv::Mat1b inner_part(const FigureGround& ground, std::size_t frame);
 
 /// Finds the regions of a clip, which is read once. Throws core::Cancelled. O(pixels).
 FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround& ground,

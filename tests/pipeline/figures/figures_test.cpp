@@ -10,6 +10,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/clip/masked_source.hpp"
 #include "core/parallel.hpp"
 #include "pipeline/figures/figure_ground.hpp"
 #include "tests/support/catch.hpp"
@@ -74,6 +75,24 @@ bool unites(EventType type) {
 bool separates(EventType type) {
   return type == EventType::split || type == EventType::disconnect;
 }
+
+/// A clip whose structure counts in its left half alone.
+class LeftHalf final : public core::FrameSource, public core::ClipKnowledge {
+ public:
+  explicit LeftHalf(const core::Clip& clip) : source_(clip) {}
+  [[nodiscard]] const core::ClipInfo& info() const override { return source_.info(); }
+  cv::Mat next() override { return source_.next(); }
+  void rewind() override { source_.rewind(); }
+  [[nodiscard]] cv::Mat mask() const override {
+    cv::Mat mask(kHeight, kWidth, CV_8U, cv::Scalar(0));
+    mask(cv::Rect(0, 0, kWidth / 2, kHeight)) = 255;
+    return mask;
+  }
+  [[nodiscard]] std::vector<core::CameraMotion> drift() const override { return {}; }
+
+ private:
+  core::ClipSource source_;
+};
 
 core::Clip backwards(core::Clip clip) {
   std::ranges::reverse(clip.frames);
@@ -157,6 +176,20 @@ TEST_CASE("outlines lie on the edge, with the levels of both sides and the brigh
     CHECK((dot(right, centre - patch.position) > 0) == bright);
     CHECK(patch.evidence > 0);
   }
+}
+
+TEST_CASE("figures count inside the mask, and do not die at its border") {
+  const auto clip = film([](Point p, int t) {
+    return levels(std::max({disc(p, {30, 30}, 14), disc(p, {50 + 2. * t, 85}, 14), disc(p, {130, 40}, 14)}),
+                  true);
+  });
+  LeftHalf source(clip);
+  const auto figures = pipeline::find_figures(source);
+  CHECK(believed(figures).empty());
+  CHECK(graph::components(figures.motion.sketch.frames.front()).count == 2);
+  CHECK(graph::components(figures.motion.sketch.frames.back()).count == 1);
+  for (const auto& graph : figures.motion.sketch.frames)
+    for (const graph::Vertex& vertex : graph.vertices()) CHECK(vertex.patch.position.x < kWidth / 2 + 2);
 }
 
 TEST_CASE("figures are the same bytes at any number of threads") {
