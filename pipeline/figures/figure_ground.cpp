@@ -22,6 +22,7 @@ constexpr double kSmoothing = 1;        // px, SD
 constexpr double kViewPixels = 153600;  // 480 × 320
 constexpr double kVectors = 1 << 14;    // of a motion
 constexpr float kReturns = 1.5F;        // px
+constexpr float kDark = 16;             // grey levels
 // The least difference of levels that people see at mid grey, and that stands out from noise.
 constexpr double kVisible = 6, kNoiseMultiple = 8;
 constexpr double kNearest = 4;  // px, SD of the nearest window of edges; each is twice as wide as the last
@@ -96,7 +97,7 @@ EdgeSums carried(const EdgeSums& sums, const FigureMotion& motion) {
           cv::Vec2f(static_cast<float>(x), static_cast<float>(y)) + motion.vectors(y, x) / kFigureCell;
   EdgeSums out;
   cv::remap(sums, out, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return out;
+  return out.mul(cv::Scalar(1, 1 / motion.gain, 1 / (motion.gain * motion.gain)));
 }
 
 /// Returns the level half way and half of the contrast for sums over edges.
@@ -139,12 +140,37 @@ struct FirstLook {
   double noise = 0;               // SD after smoothing
 };
 
+double middle_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// Returns a motion on the grid of cells: the finer one would take most of the memory.
 FigureMotion on_cells(const cv::Mat2f& there, const cv::Mat2f& back, cv::Size view) {
   cv::Mat1f share;
   returning(there, back, view).convertTo(share, CV_32F);
   const cv::Size cells = cells_of(view);
-  return {resized(there, cells, cv::INTER_AREA), cv::Mat(resized(share, cells, cv::INTER_AREA) > 0.5F) / 255};
+  return {resized(there, cells, cv::INTER_AREA), 1,
+          cv::Mat(resized(share, cells, cv::INTER_AREA) > 0.5F) / 255};
+}
+
+/// Returns how much lighter the next frame is: the median, over places that are not dark, of the ratio of
+/// levels.
+double gain_between(const cv::Mat1f& luma, const cv::Mat1f& next, const FigureMotion& motion, cv::Size view) {
+  const double across = double(luma.cols) / view.width, down = double(luma.rows) / view.height;
+  std::vector<double> ratios;
+  for (int y = 0; y < luma.rows; ++y)
+    for (int x = 0; x < luma.cols; ++x) {
+      const cv::Point2d to = moved(motion, view, (x + 0.5) / across - 0.5, (y + 0.5) / down - 0.5);
+      const cv::Point at(cvRound((to.x + 0.5) * across - 0.5), cvRound((to.y + 0.5) * down - 0.5));
+      if (!cv::Rect({0, 0}, luma.size()).contains(at) || luma(y, x) < kDark || next(at) < kDark) continue;
+      ratios.push_back(next(at) / luma(y, x));
+    }
+  if (ratios.empty()) return 1;
+  const double gain = middle_of(ratios);
+  for (double& ratio : ratios) ratio = std::abs(ratio - gain);
+  return middle_of(std::move(ratios)) < std::abs(gain - 1) ? gain : 1;
 }
 
 void measure_motion(const std::vector<cv::Mat1f>& lumas, FigureGround& ground, const core::Context& context) {
@@ -162,6 +188,10 @@ void measure_motion(const std::vector<cv::Mat1f>& lumas, FigureGround& ground, c
                     back = dytex::optical_flow(lumas[t + 1], lumas[t], kVectors).mul(scale);
     ground.to[t] = kept(on_cells(on, back, view), t);
     ground.from[t + 1] = kept(on_cells(back, on, view), t);
+    // Both senses of time alike.
+    const double on_gain = gain_between(lumas[t], lumas[t + 1], ground.to[t], view),
+                 back_gain = gain_between(lumas[t + 1], lumas[t], ground.from[t + 1], view);
+    ground.to[t].gain = std::sqrt(on_gain / back_gain), ground.from[t + 1].gain = 1 / ground.to[t].gain;
   });
   for (ImageBlocks& block : blocks) std::ranges::move(block, std::back_inserter(ground.blocks));
 }
@@ -183,12 +213,6 @@ std::vector<cv::Mat2f> joined_levels(const std::vector<EdgeSums>& edges, FigureG
     levels[t] = kept_image(levels_of(before[t] + after - edges[t]), memory, ground.blocks);
   }
   return levels;
-}
-
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

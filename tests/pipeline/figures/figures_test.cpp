@@ -178,6 +178,17 @@ TEST_CASE("outlines lie on the edge, with the levels of both sides and the brigh
   }
 }
 
+TEST_CASE("figures that stand still in flickering light do not change") {
+  const auto clip = film([](Point p, int t) {
+    const double light = t % 7 == 3 ? 1.4 : t % 5 == 0 ? 0.7 : 1;
+    const double cover = std::max({disc(p, {45, 60}, 16), disc(p, {80, 60}, 16), disc(p, {125, 60}, 20)});
+    return light * (60 + 90 * cover);
+  });
+  const auto figures = figures_of(clip);
+  CHECK(believed(figures).empty());
+  for (const auto& graph : figures.motion.sketch.frames) CHECK(graph::components(graph).count >= 2);
+}
+
 TEST_CASE("figures count inside the mask, and do not die at its border") {
   const auto clip = film([](Point p, int t) {
     return levels(std::max({disc(p, {30, 30}, 14), disc(p, {50 + 2. * t, 85}, 14), disc(p, {130, 40}, 14)}),
