@@ -19,7 +19,7 @@ constexpr double kFarthest = 24;         // px, and twice the area, between regi
 constexpr std::size_t kLeastFrames = 3;  // that a region lasts
 constexpr double kLeastSteps = 0.5;      // of an outline
 // A figure is wider than a line, or no longer than wide.
-constexpr double kLeastThickness = 12, kSmallThickness = 4;  // px
+constexpr double kLeastThickness = 12, kSmallThickness = 6;  // px
 constexpr double kLongest = 2.5;                             // squares of its thickness
 constexpr double kLeastNats = 0.4;       // a pixel, that two levels explain more than a plane does
 constexpr double kLeastFigure = 1. / 6;  // of a region, in a figure of threshold 0

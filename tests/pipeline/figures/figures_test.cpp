@@ -129,11 +129,12 @@ TEST_CASE("a clip played backwards parts where it unites") {
   CHECK(distance(back[0].position, there[0].position) < 2);
 }
 
-TEST_CASE("a disc that shrinks away dies; one that leaves the picture does not") {
+TEST_CASE("a disc that shrinks away dies; one that leaves the picture, or shrinks at its border, does not") {
   const auto clip = film([](Point p, int t) {
     const double radius = 14 - 0.5 * t;
     const double shrinking = radius > 0 ? disc(p, {50, 60}, radius) : 0;
-    return levels(std::max(shrinking, disc(p, {110 + 2. * t, 60}, 14)), true);
+    const double cut = radius > 0 ? disc(p, {50, 119}, radius + 4) : 0;
+    return levels(std::max({shrinking, cut, disc(p, {110 + 2. * t, 60}, 14)}), true);
   });
   const auto events = believed(figures_of(clip));
   REQUIRE(events.size() == 1);
