@@ -85,8 +85,8 @@ bool holds_figures(const Figures& figures) {
 
 /// Finds graphs and events, and learns the motion model, from the sketches of the clip.
 void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figures figures,
-                  const AnalyzeOptions& options, Analysis& analysis, mcmc::FitResult& fitted, core::StageClock& clock,
-                  const core::Context& context) {
+                  const AnalyzeOptions& options, Analysis& analysis, mcmc::FitResult& fitted,
+                  core::StageClock& clock, const core::Context& context) {
   clock.begin("match");
   core::return_freed_memory();
   if (!options.sample) {

@@ -43,7 +43,7 @@ struct AnalyzeOptions {
   bool curve_events = false;  ///< events of curves, not of strokes; touching and crossing are no events
   /// Also follows figures, things wider than a line (find_figures); not with the three options about them.
   bool figures = true;
-  bool sample = false;        ///< sample graphs and links; events are then taken from the samples
+  bool sample = false;  ///< sample graphs and links; events are then taken from the samples
   /// Also looks for events in a copy of the clip with added noise; those found again there are more probable.
   /// Takes about twice the time.
   bool in_noise = false;

@@ -74,8 +74,8 @@ EdgeSums edge_sums(const cv::Mat1f& level, double noise, int polarity) {
     const cv::Mat small = smoothed(resized(image, cells, cv::INTER_AREA), kAbout / kFigureCell);
     return cv::Mat1f(resized(small, level.size(), cv::INTER_LINEAR));
   };
-  const cv::Mat1f mean = about(level), square = about(level.mul(level));
-  const cv::Mat1f half_way = cv::Mat1f(smoothed(slope.mul(level), 2)) / cv::Mat1f(smoothed(slope, 2));
+  const cv::Mat1f mean = about(level), square = about(cv::Mat(level.mul(level)));
+  const cv::Mat1f half_way = cv::Mat(smoothed(cv::Mat(slope.mul(level)), 2) / smoothed(slope, 2));
   cv::Mat3f sums(level.size());
   for (int y = 0; y < level.rows; ++y)
     for (int x = 0; x < level.cols; ++x) {
@@ -97,7 +97,7 @@ EdgeSums carried(const EdgeSums& sums, const FigureMotion& motion) {
           cv::Vec2f(static_cast<float>(x), static_cast<float>(y)) + motion.vectors(y, x) / kFigureCell;
   EdgeSums out;
   cv::remap(sums, out, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return out.mul(cv::Scalar(1, 1 / motion.gain, 1 / (motion.gain * motion.gain)));
+  return cv::Mat(out.mul(cv::Scalar(1, 1 / motion.gain, 1 / (motion.gain * motion.gain))));
 }
 
 /// Returns the level half way and half of the contrast for sums over edges.
@@ -152,7 +152,7 @@ FigureMotion on_cells(const cv::Mat2f& there, const cv::Mat2f& back, cv::Size vi
   returning(there, back, view).convertTo(share, CV_32F);
   const cv::Size cells = cells_of(view);
   return {resized(there, cells, cv::INTER_AREA), 1,
-          cv::Mat(resized(share, cells, cv::INTER_AREA) > 0.5F) / 255};
+          cv::Mat(cv::Mat(resized(share, cells, cv::INTER_AREA) > 0.5F) / 255)};
 }
 
 /// Returns how much lighter the next frame is: the median, over places that are not dark, of the ratio of
@@ -184,8 +184,8 @@ void measure_motion(const std::vector<cv::Mat1f>& lumas, FigureGround& ground, c
   };
   core::parallel_for(lumas.size() - 1, context, [&](std::size_t t) {
     const cv::Scalar scale(double(view.width) / lumas[t].cols, double(view.height) / lumas[t].rows);
-    const cv::Mat2f on = dytex::optical_flow(lumas[t], lumas[t + 1], kVectors).mul(scale),
-                    back = dytex::optical_flow(lumas[t + 1], lumas[t], kVectors).mul(scale);
+    const cv::Mat2f on = cv::Mat(dytex::optical_flow(lumas[t], lumas[t + 1], kVectors).mul(scale)),
+                    back = cv::Mat(dytex::optical_flow(lumas[t + 1], lumas[t], kVectors).mul(scale));
     ground.to[t] = kept(on_cells(on, back, view), t);
     ground.from[t + 1] = kept(on_cells(back, on, view), t);
     // Both senses of time alike.
@@ -210,7 +210,7 @@ std::vector<cv::Mat2f> joined_levels(const std::vector<EdgeSums>& edges, FigureG
   EdgeSums after;
   for (std::size_t t = frames; t-- > 0;) {
     after = t + 1 < frames ? EdgeSums(edges[t] + kCarried * carried(after, ground.to[t])) : edges[t];
-    levels[t] = kept_image(levels_of(before[t] + after - edges[t]), memory, ground.blocks);
+    levels[t] = kept_image(levels_of(cv::Mat(before[t] + after - edges[t])), memory, ground.blocks);
   }
   return levels;
 }

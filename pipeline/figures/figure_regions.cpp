@@ -118,7 +118,7 @@ FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureG
     const std::size_t polarity = r / kFigureThresholds.size();
     cv::Mat1f half;
     const cv::Mat1f amplitude = figure_amplitude(ground, frame, polarity, level, half);
-    const cv::Mat1b label = (amplitude > kFigureThresholds[r % kFigureThresholds.size()]) / 255;
+    const cv::Mat1b label = cv::Mat((amplitude > kFigureThresholds[r % kFigureThresholds.size()]) / 255);
     out.labels |= label * (1 << r);
     out.readings[r] = find_regions(label, frame, level, half, inner, kFigurePolarities[polarity]);
     if (r % kFigureThresholds.size() == 0)

@@ -17,12 +17,12 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kSlack = 0.14;     // share of what moves by which a seam may leave its place
-constexpr double kSmoothSeam = 1.5;     // cells: SD of the smoothing of a seam, which follows whole cells
-constexpr float kStay = 0.5F;       // cost of a pixel that changes sides, relative to one under the seam
-constexpr double kShortWay = 0.02;  // share of the mean difference: cost of path length where all is alike
-constexpr int kPairs = 64;          // pairs of frames that measure the usual visibility of seams
-constexpr double kFeather = 0.03;   // share of the longer side: width over which plays are blended
+constexpr double kSlack = 0.14;      // share of what moves by which a seam may leave its place
+constexpr double kSmoothSeam = 1.5;  // cells: SD of the smoothing of a seam, which follows whole cells
+constexpr float kStay = 0.5F;        // cost of a pixel that changes sides, relative to one under the seam
+constexpr double kShortWay = 0.02;   // share of the mean difference: cost of path length where all is alike
+constexpr int kPairs = 64;           // pairs of frames that measure the usual visibility of seams
+constexpr double kFeather = 0.03;    // share of the longer side: width over which plays are blended
 
 cv::Mat turn_over(const cv::Mat& picture, bool turned) {
   return turned ? cv::Mat(picture.t()) : picture;

@@ -201,7 +201,7 @@ TEST_CASE("figures count inside the mask, and do not die at its border") {
   CHECK(graph::components(figures.motion.sketch.frames.front()).count == 2);
   CHECK(graph::components(figures.motion.sketch.frames.back()).count == 1);
   for (const auto& graph : figures.motion.sketch.frames)
-    for (const graph::Vertex& vertex : graph.vertices()) CHECK(vertex.patch.position.x < kWidth / 2 + 2);
+    for (const graph::Vertex& vertex : graph.vertices()) CHECK(vertex.patch.position.x < 0.5 * kWidth + 2);
 }
 
 TEST_CASE("figures are the same bytes at any number of threads") {
