@@ -41,6 +41,7 @@ void bind_options(py::module_& module) {
       .field("bottom_up", &Options::bottom_up)
       .field("curve_events", &Options::curve_events)
       .field("sample", &Options::sample)
+      .field("figures", &Options::figures)
       .field("in_noise", &Options::in_noise)
       .field("least_probability", &Options::least_probability)
       .field("review", &Options::review)
