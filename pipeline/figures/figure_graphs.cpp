@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <tuple>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
 
 #include "core/clip/frame_stream.hpp"
+#include "core/math/bilinear.hpp"
 #include "core/math/luma.hpp"
 #include "core/parallel.hpp"
 #include "sketch/patches/patch_types.hpp"
@@ -31,6 +31,10 @@ constexpr double kMostAtBorder = 0.5, kMostOfBorder = 0.3;
 constexpr double kLeastBlur = 0.5, kMostBlur = 8;  // px
 constexpr double kLinkReach = 2;                   // spacings that linked patches may be apart
 
+double sample(const cv::Mat1f& image, Point p) {
+  return core::sample_bilinear(image, p.x, p.y);
+}
+
 /// The parts of a frame that outlines are drawn from.
 struct Frame {
   cv::Mat1f level, middle;  // of the view: luma; the level half way, of one polarity
@@ -40,16 +44,6 @@ struct Frame {
   double sign = 1;   // of the polarity
   double noise = 1;  // SD, grey levels
 
-  [[nodiscard]] double at(const cv::Mat1f& image, Point p) const {
-    const double x = std::clamp(p.x, 0., double(image.cols - 1)),
-                 y = std::clamp(p.y, 0., double(image.rows - 1));
-    const int i = std::min(static_cast<int>(x), std::max(0, image.cols - 2));
-    const int j = std::min(static_cast<int>(y), std::max(0, image.rows - 2));
-    const int right = std::min(i + 1, image.cols - 1), below = std::min(j + 1, image.rows - 1);
-    const double u = x - i, v = y - j;
-    return (1 - v) * ((1 - u) * image(j, i) + u * image(j, right)) +
-           v * ((1 - u) * image(below, i) + u * image(below, right));
-  }
   /// Returns the levels of the frame about a place of the view.
   [[nodiscard]] graph::Level levels_at(Point p) const {
     const Point q = view.in_frame(p.x, p.y);
@@ -62,7 +56,7 @@ struct Frame {
     const auto& v = levels.at<cv::Vec3f>(y, x);
     return {v[0], v[1], v[2]};
   }
-  [[nodiscard]] double amplitude(Point p) const { return sign * (at(level, p) - at(middle, p)); }
+  [[nodiscard]] double amplitude(Point p) const { return sign * (sample(level, p) - sample(middle, p)); }
   [[nodiscard]] bool is_at_border(Point p) const {
     return inner(std::clamp(cvRound(p.y), 0, inner.rows - 1), std::clamp(cvRound(p.x), 0, inner.cols - 1)) ==
            0;
@@ -138,8 +132,8 @@ graph::Patch outline_patch(const Frame& frame, Point p, Point out) {
   p = p + out * place;
   patch.position = frame.view.in_frame(p.x, p.y);
   const Point inside = p - out * kBesideOutline, outside = p + out * kBesideOutline;
-  const double step = std::abs(frame.at(frame.level, inside) - frame.at(frame.level, outside));
-  const double slope = std::abs(frame.at(frame.level, p - out) - frame.at(frame.level, p + out)) / 2;
+  const double step = std::abs(sample(frame.level, inside) - sample(frame.level, outside));
+  const double slope = std::abs(sample(frame.level, p - out) - sample(frame.level, p + out)) / 2;
   const double blur = step / std::max(1e-6, slope * std::sqrt(2 * CV_PI));
   patch.blur = factor * std::clamp(std::sqrt(std::max(0., blur * blur - 1)), kLeastBlur, kMostBlur);
   patch.left = frame.levels_at(frame.sign > 0 ? outside : inside);
