@@ -73,7 +73,7 @@ bool undo(EventType first, EventType second) {
 }
 
 /// Leaves out pairs of changes that undo one another.
-std::vector<FigureChange> lasting(std::vector<FigureChange> changes) {
+std::vector<FigureChange> without_undone(std::vector<FigureChange> changes) {
   std::ranges::sort(changes, {}, [](const FigureChange& c) {
     return std::tuple(c.frame, c.type, c.at.x, c.at.y, c.whole, c.part);
   });
@@ -126,7 +126,7 @@ std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::siz
   const cv::Rect2d inside(kContactBorder, kContactBorder, ground.view.size.width - 2 * kContactBorder,
                           ground.view.size.height - 2 * kContactBorder);
   std::erase_if(changes, [&](const FigureChange& c) { return c.whole != c.part && !inside.contains(c.at); });
-  return lasting(std::move(changes));
+  return without_undone(std::move(changes));
 }
 
 }  // namespace emberfold::pipeline

@@ -10,6 +10,7 @@
 
 #include "core/clip/frame_stream.hpp"
 #include "core/clip/masked_source.hpp"
+#include "core/math/robust.hpp"
 #include "core/parallel.hpp"
 #include "dytex/measures/optical_flow.hpp"
 #include "sketch/extract.hpp"
@@ -140,12 +141,6 @@ struct FirstLook {
   double noise = 0;               // SD after smoothing
 };
 
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Returns a motion on the grid of cells: the finer one would take most of the memory.
 FigureMotion on_cells(const cv::Mat2f& there, const cv::Mat2f& back, cv::Size view) {
   cv::Mat1f share;
@@ -156,7 +151,7 @@ FigureMotion on_cells(const cv::Mat2f& there, const cv::Mat2f& back, cv::Size vi
 }
 
 /// Returns how much lighter the next frame is: the median, over places that are not dark, of the ratio of
-/// levels.
+/// levels; 1 where half of the ratios differ from it by more than it does from 1.
 double gain_between(const cv::Mat1f& luma, const cv::Mat1f& next, const FigureMotion& motion, cv::Size view) {
   const double across = double(luma.cols) / view.width, down = double(luma.rows) / view.height;
   std::vector<double> ratios;
@@ -168,9 +163,9 @@ double gain_between(const cv::Mat1f& luma, const cv::Mat1f& next, const FigureMo
       ratios.push_back(next(at) / luma(y, x));
     }
   if (ratios.empty()) return 1;
-  const double gain = middle_of(ratios);
+  const double gain = core::median(ratios);
   for (double& ratio : ratios) ratio = std::abs(ratio - gain);
-  return middle_of(std::move(ratios)) < std::abs(gain - 1) ? gain : 1;
+  return core::median(std::move(ratios)) < std::abs(gain - 1) ? gain : 1;
 }
 
 void measure_motion(const std::vector<cv::Mat1f>& lumas, FigureGround& ground, const core::Context& context) {
@@ -271,7 +266,7 @@ FigureGround measure_figure_ground(core::FrameSource& source, const core::Contex
     noises.push_back(first.noise);
     for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) edges[p].emplace_back(kept(first.edges[p]));
   });
-  ground.noise = middle_of(noises);
+  ground.noise = core::median(noises);
   ground.least_half = least_contrast(ground.noise) / 2;
   measure_motion(lumas, ground, context);
   ground.levels.resize(lumas.size());

@@ -2,10 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
+
+#include <boost/pending/disjoint_sets.hpp>
 
 #include "core/parallel.hpp"
 #include "pipeline/figures/figure_regions.hpp"
@@ -120,21 +121,16 @@ class LinkedReading {
     return any;
   }
 
-  /// Returns the first region of those that links join, directly or not, for each region.
+  /// Returns one region of those that links join, directly or not, for each region.
   [[nodiscard]] std::vector<std::size_t> families() const {
-    std::vector<std::size_t> root(regions_.size());
-    std::iota(root.begin(), root.end(), std::size_t{0});
-    const auto find = [&](std::size_t i) {
-      while (root[i] != i) i = root[i] = root[root[i]];
-      return i;
-    };
+    std::vector<std::size_t> rank(regions_.size()), parent(regions_.size());
+    boost::disjoint_sets sets(rank.data(), parent.data());
+    for (std::size_t i = 0; i < regions_.size(); ++i) sets.make_set(i);
     for (std::size_t i = 0; i < regions_.size(); ++i)
-      for (const std::size_t j : regions_[i].next) {
-        const std::size_t a = find(i), b = find(j);
-        root[std::max(a, b)] = std::min(a, b);
-      }
-    for (std::size_t i = 0; i < root.size(); ++i) root[i] = find(i);
-    return root;
+      for (const std::size_t j : regions_[i].next) sets.union_set(i, j);
+    std::vector<std::size_t> family;
+    for (std::size_t i = 0; i < regions_.size(); ++i) family.push_back(sets.find_set(i));
+    return family;
   }
 
  private:

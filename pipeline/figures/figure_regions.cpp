@@ -114,15 +114,16 @@ FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureG
   FrameLabels out;
   out.labels = cv::Mat1b(level.size(), std::uint8_t{0});
   const cv::Mat1b inner = inner_part(ground, frame);
-  for (std::size_t r = 0; r < kFigureReadings; ++r) {
-    const std::size_t polarity = r / kFigureThresholds.size();
+  for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) {
     cv::Mat1f half;
-    const cv::Mat1f amplitude = figure_amplitude(ground, frame, polarity, level, half);
-    const cv::Mat1b label = cv::Mat((amplitude > kFigureThresholds[r % kFigureThresholds.size()]) / 255);
-    out.labels |= label * (1 << r);
-    out.readings[r] = find_regions(label, frame, level, half, inner, kFigurePolarities[polarity]);
-    if (r % kFigureThresholds.size() == 0)
-      explain_regions(label, level, ground.noise, out.readings[r].regions);
+    const cv::Mat1f amplitude = figure_amplitude(ground, frame, p, level, half);
+    for (std::size_t k = 0; k < kFigureThresholds.size(); ++k) {
+      const std::size_t r = p * kFigureThresholds.size() + k;
+      const cv::Mat1b label = cv::Mat((amplitude > kFigureThresholds[k]) / 255);
+      out.labels |= label * (1 << r);
+      out.readings[r] = find_regions(label, frame, level, half, inner, kFigurePolarities[p]);
+      if (k == 0) explain_regions(label, level, ground.noise, out.readings[r].regions);
+    }
   }
   return out;
 }
