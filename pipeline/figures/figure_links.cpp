@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
-#include <tuple>
 #include <utility>
 
 #include <boost/pending/disjoint_sets.hpp>
@@ -16,7 +14,6 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr double kLeastShare = 0.15;     // of the smaller region's area that overlaps
-constexpr double kFarthest = 24;         // px, and twice the area, between regions that do not overlap
 constexpr std::size_t kLeastFrames = 3;  // that a region lasts
 constexpr double kLeastSteps = 0.5;      // of an outline
 // A figure is wider than a line, or no longer than wide.
@@ -41,25 +38,6 @@ void count_overlap(const cv::Mat1i& numbers, const cv::Mat1i& there, const Figur
     }
 }
 
-/// Adds links between regions without any that lie near each other and are of like size.
-void link_nearest(const FigureReading& reading, const std::set<std::size_t>& here,
-                  const std::set<std::size_t>& there, Weights& links) {
-  std::set<std::size_t> linked;
-  for (const auto& [link, weight] : links) linked.insert({link.first, link.second});
-  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
-  for (const std::size_t a : here)
-    for (const std::size_t b : there) {
-      if (linked.contains(a) || linked.contains(b)) continue;
-      const FigureRegion &one = reading.regions[a], &other = reading.regions[b];
-      const double distance = cv::norm(one.centre - other.centre);
-      if (distance < kFarthest && std::max(one.area, other.area) < 2 * std::min(one.area, other.area))
-        pairs.emplace_back(distance, a, b);
-    }
-  std::ranges::sort(pairs);
-  for (const auto& [distance, a, b] : pairs)
-    if (!linked.contains(a) && !linked.contains(b)) links[{a, b}] = 1, linked.insert({a, b});
-}
-
 Weights links_between(const FigureRegions& all, std::size_t r, std::size_t t, const FigureGround& ground) {
   const FigureReading& reading = all.readings[r];
   const cv::Mat1i before = region_numbers(all, r, t), after = region_numbers(all, r, t + 1);
@@ -69,12 +47,6 @@ Weights links_between(const FigureRegions& all, std::size_t r, std::size_t t, co
   for (const auto& [link, pixels] : overlap)
     if (pixels >= kLeastShare * std::min(reading.regions[link.first].area, reading.regions[link.second].area))
       links.emplace(link, pixels);
-  const auto regions_of = [&](std::size_t frame) {
-    std::set<std::size_t> regions(reading.of_component[frame].begin(), reading.of_component[frame].end());
-    regions.erase(kNoRegion);
-    return regions;
-  };
-  link_nearest(reading, regions_of(t), regions_of(t + 1), links);
   return links;
 }
 
