@@ -26,8 +26,6 @@ constexpr std::size_t kLeastPatches = 4;  // of a ring
 constexpr int kAveraged = 3;              // px to either side, over which an outline of pixels is averaged
 constexpr double kBesideOutline = 3;      // px, where levels inside and outside are read
 constexpr double kSearch = 2;             // px, to either side, for the place of the outline
-// Ground has more than this of its outline at the border, or outlines more than this of the border.
-constexpr double kMostAtBorder = 0.5, kMostOfBorder = 0.3;
 constexpr double kLeastBlur = 0.5, kMostBlur = 8;  // px
 constexpr double kLinkReach = 2;                   // spacings that linked patches may be apart
 
@@ -167,7 +165,6 @@ FrameFigures draw_frame(const cv::Mat& image, const core::ClipInfo& info, std::s
               ground.view,
               1,
               ground.noise};
-  const double most_border = kMostOfBorder * 2 * (ground.view.size.width + ground.view.size.height);
   for (std::size_t r = 0; r < kFigureReadings; r += kFigureThresholds.size()) {
     const FigureReading& reading = all.readings[r];
     frame.sign = kFigurePolarities[reading.polarity];
@@ -178,8 +175,6 @@ FrameFigures draw_frame(const cv::Mat& image, const core::ClipInfo& info, std::s
     for (const std::size_t index : reading.of_component[t]) {
       if (index == kNoRegion || !reading.regions[index].is_figure) continue;
       const auto ring = traced(numbers, reading.regions[index], index);
-      const auto at_border = std::ranges::count_if(ring, [&](Point p) { return frame.is_at_border(p); });
-      if (double(at_border) >= std::min(kMostAtBorder * double(ring.size()), most_border)) continue;
       const auto places = spaced(ring, kOutlineSpacing / ground.view.factor);
       const auto first = static_cast<std::uint32_t>(vertices.size());
       for (std::size_t i = 0; i < places.size(); ++i) {

@@ -278,10 +278,9 @@ FigureGround measure_figure_ground(core::FrameSource& source, const core::Contex
 }
 
 cv::Mat1f figure_amplitude(const FigureGround& ground, std::size_t frame, std::size_t polarity,
-                           const cv::Mat1f& level, cv::Mat1f& half) {
+                           const cv::Mat1f& level) {
   const cv::Mat2f levels = resized(ground.levels[frame][polarity], level.size(), cv::INTER_LINEAR);
   cv::Mat1f amplitude(level.size());
-  half.create(level.size());
   const auto sign = static_cast<float>(kFigurePolarities[polarity]);
   const auto least = static_cast<float>(ground.least_half);
   for (int y = 0; y < level.rows; ++y)
@@ -290,7 +289,6 @@ cv::Mat1f figure_amplitude(const FigureGround& ground, std::size_t frame, std::s
       const float a = sign * (level(y, x) - levels(y, x)[0]) / std::max(h, 1e-3F);
       const float faint = std::max(0.F, 1 - h / least) * 4;
       amplitude(y, x) = std::clamp(a - faint, -kBeyond, kBeyond);
-      half(y, x) = h;
     }
   if (!ground.masks.empty()) amplitude.setTo(-kBeyond, ground.masks[frame] == 0);
   return amplitude;

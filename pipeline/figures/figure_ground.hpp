@@ -66,8 +66,8 @@ FigureGround measure_figure_ground(core::FrameSource& source, const core::Contex
 
 /// Returns the amplitude of figures of one polarity in a frame: −1 at the level of the ground, 0 on the
 /// outline, 1 at the level of the figure; less where the contrast is too small to be seen. `polarity`: an
-/// index of kFigurePolarities. `half`: receives half of the contrast, grey levels.
+/// index of kFigurePolarities.
 cv::Mat1f figure_amplitude(const FigureGround& ground, std::size_t frame, std::size_t polarity,
-                           const cv::Mat1f& level, cv::Mat1f& half);
+                           const cv::Mat1f& level);
 
 }  // namespace emberfold::pipeline

@@ -7,20 +7,24 @@
 #include <boost/pending/disjoint_sets.hpp>
 
 #include "core/parallel.hpp"
+#include "pipeline/figures/figure_labelling.hpp"
 #include "pipeline/figures/figure_regions.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kLeastShare = 0.15;     // of the smaller region's area that overlaps
-constexpr std::size_t kLeastFrames = 3;  // that a region lasts
-constexpr double kLeastSteps = 0.5;      // of an outline
+constexpr double kLeastShare = 0.15;  // of the smaller region's area that overlaps
+constexpr double kLeastNats = 0.6;    // a pixel, that two levels explain more than a plane does
+constexpr double kCorrelated = 2;     // px of an outline that are one observation
+constexpr double kChange = 15;        // nats
+// Ground has more than this of its outline at the border, or outlines more than this of the border.
+constexpr double kMostAtBorder = 0.5, kMostOfBorder = 0.3;
+constexpr double kGround = -1e6;  // nats that ground gains: it is never a figure
 // A figure is wider than a line, or no longer than wide.
 constexpr double kLeastThickness = 12, kSmallThickness = 6;  // px
 constexpr double kLongest = 2.5;                             // squares of its thickness
-constexpr double kLeastNats = 0.4;       // a pixel, that two levels explain more than a plane does
-constexpr double kLeastFigure = 1. / 6;  // of a region, in a figure of threshold 0
+constexpr double kLeastFigure = 1. / 6;                      // of a region, in a figure of threshold 0
 
 using Link = std::pair<std::size_t, std::size_t>;  // a region, one of the next frame
 using Weights = std::map<Link, double>;            // pixels that overlap
@@ -50,6 +54,12 @@ Weights links_between(const FigureRegions& all, std::size_t r, std::size_t t, co
   return links;
 }
 
+/// Returns the nats of a pixel of outline by which a region explains the frame better than nothing does.
+double gain_of(const FigureRegion& region) {
+  return 0.5 * std::log(region.plane / region.figure) - kLeastNats;
+}
+
+/// The regions of a reading, the links of which form chains and stars.
 class LinkedReading {
  public:
   explicit LinkedReading(std::vector<FigureRegion>& regions) : regions_(regions) {}
@@ -67,32 +77,41 @@ class LinkedReading {
       if (regions_[link.first].next.size() > 1 && regions_[link.second].before.size() > 1) cut(link);
   }
 
-  /// Removes chains of regions whose outlines are mostly no steps.
-  void remove_without_steps() {
-    std::vector<std::size_t> gone;
+  /// Adds its chains to a labelling: what each gains, and the stars that they meet in.
+  void add_chains(std::size_t frames, double border_of_frame, Labelling& to) {
+    unit_of_.assign(regions_.size(), kNoRegion);
     for (std::size_t i = 0; i < regions_.size(); ++i) {
       if (!begins_chain(i)) continue;
       const auto chain = chain_from(i);
-      int rim = 0, steps = 0;
-      for (const std::size_t j : chain) rim += regions_[j].rim, steps += regions_[j].steps;
-      if (steps < kLeastSteps * rim) gone.insert(gone.end(), chain.begin(), chain.end());
+      const FigureRegion &first = regions_[i], &last = regions_[chain.back()];
+      double gain = 0, rim = 0, border = 0;
+      for (const std::size_t j : chain) {
+        unit_of_[j] = to.gain.size();
+        rim += regions_[j].rim, border += regions_[j].border;
+        gain += regions_[j].rim / kCorrelated * gain_of(regions_[j]);
+      }
+      if (first.before.empty() && first.frame > 0 && first.border == 0) gain -= kChange;
+      if (last.next.empty() && last.frame + 1 < frames && last.border == 0) gain -= kChange;
+      const bool is_ground = border >= std::min(kMostAtBorder * (rim + border),
+                                                kMostOfBorder * border_of_frame * double(chain.size()));
+      to.gain.push_back(is_ground ? kGround : gain);
     }
-    for (const std::size_t i : gone) remove(i);
+    for (std::size_t i = 0; i < regions_.size(); ++i)
+      for (const auto* parts : {&regions_[i].next, &regions_[i].before})
+        if (parts->size() > 1) {
+          to.stars.push_back({unit_of_[i], {}});
+          for (const std::size_t j : *parts) to.stars.back().parts.push_back(unit_of_[j]);
+        }
+  }
+  /// Returns the unit of a region's chain in the labelling that chains were added to last, or kNoRegion.
+  [[nodiscard]] std::size_t unit_of(std::size_t region) const { return unit_of_[region]; }
+  /// Removes the chains of label 0.
+  void remove_labelled(const std::vector<char>& labels) {
+    for (std::size_t i = 0; i < regions_.size(); ++i)
+      if (unit_of_[i] != kNoRegion && labels[unit_of_[i]] == 0) remove(i);
   }
 
-  /// Removes short chains with a free end inside the clip. Returns whether there were any.
-  bool remove_brief(std::size_t frames) {
-    bool any = false;
-    for (std::size_t i = 0; i < regions_.size(); ++i) {
-      if (!begins_chain(i)) continue;
-      const auto chain = chain_from(i);
-      if (chain.size() >= kLeastFrames || !is_brief(chain, frames)) continue;
-      for (const std::size_t j : chain) remove(j);
-      any = true;
-    }
-    return any;
-  }
-
+  [[nodiscard]] const FigureRegion& region(std::size_t i) const { return regions_[i]; }
   /// Returns one region of those that links join, directly or not, for each region.
   [[nodiscard]] std::vector<std::size_t> families() const {
     std::vector<std::size_t> rank(regions_.size()), parent(regions_.size());
@@ -127,35 +146,48 @@ class LinkedReading {
       chain.push_back(regions_[chain.back()].next[0]);
     return chain;
   }
-  /// A chain at the clip's first or last frame may go on outside: it is brief only if one frame long.
-  [[nodiscard]] bool is_brief(const std::vector<std::size_t>& chain, std::size_t frames) const {
-    const FigureRegion &first = regions_[chain.front()], &last = regions_[chain.back()];
-    const bool at_first = first.frame == 0, at_last = last.frame + 1 == frames;
-    const bool appears = first.before.empty() && !at_first, vanishes = last.next.empty() && !at_last;
-    if (!at_first && !at_last) return appears || vanishes;
-    return chain.size() < 2 && ((appears && at_last) || (vanishes && at_first));
-  }
 
   std::vector<FigureRegion>& regions_;
+  std::vector<std::size_t> unit_of_;
 };
+
+/// Removes the chains of a threshold that do not explain the frames, or explain only what chains of the other
+/// polarity do.
+void remove_unexplaining(FigureRegions& all, std::size_t threshold, LinkedReading& dark,
+                         LinkedReading& bright) {
+  const std::size_t frames = all.labels.size();
+  const double border_of_frame = 2. * (all.labels[0].cols + all.labels[0].rows);
+  Labelling of;
+  of.change = kChange;
+  dark.add_chains(frames, border_of_frame, of);
+  of.second = of.gain.size();
+  bright.add_chains(frames, border_of_frame, of);
+  std::map<Link, double> shared;
+  for (const SharedRim& rim : all.shared[threshold]) {
+    const std::size_t a = dark.unit_of(rim.dark), b = bright.unit_of(rim.bright);
+    if (a == kNoRegion || b == kNoRegion) continue;
+    const double gain = std::min(gain_of(dark.region(rim.dark)), gain_of(bright.region(rim.bright)));
+    shared[{a, b}] += rim.pixels / kCorrelated * std::max(0., gain);
+  }
+  for (const auto& [pair, cost] : shared) of.rivals.push_back({pair.first, pair.second, cost});
+  const auto labels = best_labels(of);
+  dark.remove_labelled(labels), bright.remove_labelled(labels);
+}
 
 /// Says which regions of threshold 0 are figures.
 void find_figures(std::vector<FigureRegion>& regions) {
   const auto family = LinkedReading(regions).families();
-  std::vector<double> thickness(regions.size(), 0), length(regions.size(), 0), plane(regions.size(), 0),
-      figure(regions.size(), 0);
+  std::vector<double> thickness(regions.size(), 0), length(regions.size(), 0);
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const FigureRegion& region = regions[i];
     if (region.is_removed) continue;
-    plane[family[i]] += region.plane, figure[family[i]] += region.figure;
     thickness[family[i]] = std::max(thickness[family[i]], region.thickness);
     length[family[i]] = std::max(length[family[i]], region.area / (region.thickness * region.thickness));
   }
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const double thick = thickness[family[i]];
-    const double nats = 0.5 * std::log((plane[family[i]] + 1e-9) / (figure[family[i]] + 1e-9));
     regions[i].is_figure =
-        !regions[i].is_removed && nats >= kLeastNats &&
+        !regions[i].is_removed &&
         (thick >= kLeastThickness || (thick >= kSmallThickness && length[family[i]] < kLongest));
   }
 }
@@ -185,11 +217,16 @@ void link_figure_regions(FigureRegions& all, const FigureGround& ground, const c
   core::parallel_for(links.size(), context, [&](std::size_t t) {
     for (std::size_t r = 0; r < kFigureReadings; ++r) links[t][r] = links_between(all, r, t, ground);
   });
+  std::vector<LinkedReading> linked;
   for (std::size_t r = 0; r < kFigureReadings; ++r) {
-    LinkedReading linked(all.readings[r].regions);
-    for (const auto& gap : links) linked.add(gap[r]);
-    linked.remove_without_steps();
-    while (linked.remove_brief(frames)) context.check();
+    linked.emplace_back(all.readings[r].regions);
+    for (const auto& gap : links) linked[r].add(gap[r]);
+  }
+  for (std::size_t k = 0; k < kFigureThresholds.size(); ++k) {
+    remove_unexplaining(all, k, linked[k], linked[k + kFigureThresholds.size()]);
+    context.check();
+  }
+  for (std::size_t r = 0; r < kFigureReadings; ++r) {
     const std::size_t of = r - r % kFigureThresholds.size();
     if (r == of)
       find_figures(all.readings[r].regions);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -14,67 +16,48 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr int kLeastArea = 12;   // px²: about a disc as wide as the smoothing
-constexpr int kSeenBorder = 2;   // px
-constexpr float kAcrossRim = 3;  // px, to either side of an outline
+constexpr int kLeastArea = 12;  // px²: about a disc as wide as the smoothing
+constexpr int kSeenBorder = 2;  // px
 constexpr int kConnectivity = 8;
-constexpr int kAround = 4;         // px about a region that it has to explain
+constexpr int kAround = 8;         // px about a region that it has to explain
 constexpr double kSoftEdge = 1.4;  // px, SD
+constexpr int kBeside = 3;         // px, to an outline that is the same
 
 /// The regions of one frame and reading.
 struct FrameRegions {
   std::vector<FigureRegion> regions;
   std::vector<std::size_t> of_component;  // counted within the frame
+  cv::Mat1i number;                       // the region of each pixel, plus 1
 };
 
-/// Adds the outlines of a frame's regions: their pixels, and how many of them are steps.
-void measure_rims(const cv::Mat1b& label, const cv::Mat1i& number, const cv::Mat1f& level,
-                  const cv::Mat1f& half, const cv::Mat1b& inner, int polarity,
-                  std::vector<FigureRegion>& regions) {
-  cv::Mat1b core;
-  cv::erode(label, core, cv::Mat(), {-1, -1}, 1, cv::BORDER_CONSTANT, 1);
-  cv::Mat1f soft, gx, gy;
-  label.convertTo(soft, CV_32F, polarity);
-  cv::GaussianBlur(soft, soft, {0, 0}, 2, 2, cv::BORDER_REPLICATE);
-  cv::Sobel(soft, gx, CV_32F, 1, 0, 3), cv::Sobel(soft, gy, CV_32F, 0, 1, 3);
-  const auto at = [&](float x, float y) {
-    return level(std::clamp(cvRound(y), 0, level.rows - 1), std::clamp(cvRound(x), 0, level.cols - 1));
-  };
-  for (int y = 0; y < label.rows; ++y)
-    for (int x = 0; x < label.cols; ++x) {
-      if (number(y, x) == 0 || core(y, x) != 0 || inner(y, x) == 0) continue;
-      FigureRegion& region = regions[static_cast<std::size_t>(number(y, x) - 1)];
-      ++region.rim;
-      const cv::Vec2f across =
-          kAcrossRim / std::max(1e-9F, std::hypot(gx(y, x), gy(y, x))) * cv::Vec2f(gx(y, x), gy(y, x));
-      const auto u = static_cast<float>(x), v = static_cast<float>(y);
-      const float step = at(u + across[0], v + across[1]) - at(u - across[0], v - across[1]);
-      region.steps += step >= half(y, x) ? 1 : 0;
-    }
-}
-
-/// Adds how well each region explains the frame.
-void explain_regions(const cv::Mat1b& label, const cv::Mat1f& level, double noise,
+/// Adds how well each region explains the frame about it.
+void explain_regions(const cv::Mat1i& number, const cv::Mat1b& label, const cv::Mat1f& level, double noise,
                      std::vector<FigureRegion>& regions) {
+  static const cv::Mat near =
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kAround + 1, 2 * kAround + 1});
   cv::Mat1f soft;
   label.convertTo(soft, CV_32F);
   cv::GaussianBlur(soft, soft, {0, 0}, kSoftEdge, kSoftEdge, cv::BORDER_REPLICATE);
-  for (FigureRegion& region : regions) {
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    FigureRegion& region = regions[i];
     const cv::Rect box = cv::Rect(region.box.tl() - cv::Point(kAround, kAround),
                                   region.box.br() + cv::Point(kAround, kAround)) &
                          cv::Rect({0, 0}, label.size());
-    const cv::Mat1b all(box.size(), std::uint8_t{1});
-    const double floor = box.area() * noise * noise;
-    region.plane = left_by_plane(level(box), all) + floor;
-    region.figure = left_by_figure(level(box), soft(box), all) + floor;
+    cv::Mat1b about = cv::Mat(number(box) == static_cast<int>(i) + 1);
+    cv::dilate(about, about, near);
+    const double floor = cv::countNonZero(about) * noise * noise + 1e-9;
+    const LeftSquares left = left_squares(level(box), soft(box), about);
+    region.plane = left.by_plane + floor;
+    region.figure = left.by_figure + floor;
   }
 }
 
 FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::Mat1f& level,
-                          const cv::Mat1f& half, const cv::Mat1b& inner, int polarity) {
+                          const cv::Mat1b& inner, double noise) {
   FrameRegions found;
-  cv::Mat1i number;
+  cv::Mat1i& number = found.number;
   cv::Mat stats, centres;
+  std::vector<cv::Point2d> centroid;
   const int components =
       cv::connectedComponentsWithStats(label, number, stats, centres, kConnectivity, CV_32S);
   for (int i = 1; i < components; ++i) {
@@ -83,10 +66,13 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
     if (s[cv::CC_STAT_AREA] < kLeastArea) continue;
     FigureRegion region;
     region.frame = frame, region.area = s[cv::CC_STAT_AREA];
-    region.centre = {centres.at<double>(i, 0), centres.at<double>(i, 1)};
+    centroid.emplace_back(centres.at<double>(i, 0), centres.at<double>(i, 1));
     region.box = {s[cv::CC_STAT_LEFT], s[cv::CC_STAT_TOP], s[cv::CC_STAT_WIDTH], s[cv::CC_STAT_HEIGHT]};
     found.regions.push_back(region);
   }
+  std::vector<double> nearest(found.regions.size(), std::numeric_limits<double>::max());
+  cv::Mat1b core;
+  cv::erode(label, core, cv::Mat(), {-1, -1}, 1, cv::BORDER_CONSTANT, 1);
   cv::Mat1f depth;
   cv::distanceTransform(label, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (int y = 0; y < label.rows; ++y)
@@ -97,16 +83,41 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
       n = index == kNoRegion ? 0 : static_cast<int>(index) + 1;
       if (n == 0) continue;
       FigureRegion& region = found.regions[index];
-      region.at_border = region.at_border || inner(y, x) == 0;
+      if (inner(y, x) == 0)
+        region.border += 1. / kSeenBorder;
+      else if (core(y, x) == 0)
+        ++region.rim;
+      const double off = cv::norm(cv::Point2d(x, y) - centroid[index]);
+      if (off < nearest[index]) nearest[index] = off, region.centre = cv::Point2d(x, y);
       region.thickness = std::max(region.thickness, 2. * depth(y, x) - 1);
     }
-  measure_rims(label, number, level, half, inner, polarity, found.regions);
+  explain_regions(number, label, level, noise, found.regions);
   return found;
+}
+
+/// Adds, for pairs of regions, half of the pixels of the outlines of `of` that lie beside a region of
+/// `other`.
+void count_beside(const cv::Mat1i& of, const cv::Mat1i& other, bool of_dark,
+                  std::map<std::pair<int, int>, double>& pixels) {
+  for (int y = 1; y + 1 < of.rows; ++y)
+    for (int x = 1; x + 1 < of.cols; ++x) {
+      const int n = of(y, x);
+      if (n == 0 || (of(y - 1, x) != 0 && of(y + 1, x) != 0 && of(y, x - 1) != 0 && of(y, x + 1) != 0))
+        continue;
+      int nearest = 0, least = kBeside * kBeside + 1;
+      for (int v = std::max(0, y - kBeside); v <= std::min(of.rows - 1, y + kBeside); ++v)
+        for (int u = std::max(0, x - kBeside); u <= std::min(of.cols - 1, x + kBeside); ++u) {
+          const int d = (u - x) * (u - x) + (v - y) * (v - y);
+          if (d < least && other(v, u) != 0) least = d, nearest = other(v, u);
+        }
+      if (nearest != 0) pixels[of_dark ? std::pair{n, nearest} : std::pair{nearest, n}] += 0.5;
+    }
 }
 
 /// What is found in a frame.
 struct FrameLabels {
   cv::Mat1b labels;
+  std::array<std::vector<SharedRim>, kFigureThresholds.size()> shared;
   std::array<FrameRegions, kFigureReadings> readings;
 };
 
@@ -115,15 +126,23 @@ FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureG
   out.labels = cv::Mat1b(level.size(), std::uint8_t{0});
   const cv::Mat1b inner = inner_part(ground, frame);
   for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) {
-    cv::Mat1f half;
-    const cv::Mat1f amplitude = figure_amplitude(ground, frame, p, level, half);
+    const cv::Mat1f amplitude = figure_amplitude(ground, frame, p, level);
     for (std::size_t k = 0; k < kFigureThresholds.size(); ++k) {
       const std::size_t r = p * kFigureThresholds.size() + k;
       const cv::Mat1b label = cv::Mat((amplitude > kFigureThresholds[k]) / 255);
       out.labels |= label * (1 << r);
-      out.readings[r] = find_regions(label, frame, level, half, inner, kFigurePolarities[p]);
-      if (k == 0) explain_regions(label, level, ground.noise, out.readings[r].regions);
+      out.readings[r] = find_regions(label, frame, level, inner, ground.noise);
     }
+  }
+  for (std::size_t k = 0; k < kFigureThresholds.size(); ++k) {
+    FrameRegions &dark = out.readings[k], &bright = out.readings[k + kFigureThresholds.size()];
+    std::map<std::pair<int, int>, double> pixels;
+    count_beside(dark.number, bright.number, true, pixels);
+    count_beside(bright.number, dark.number, false, pixels);
+    for (const auto& [pair, count] : pixels)
+      out.shared[k].push_back(
+          {static_cast<std::size_t>(pair.first - 1), static_cast<std::size_t>(pair.second - 1), count});
+    dark.number.release(), bright.number.release();
   }
   return out;
 }
@@ -148,6 +167,11 @@ FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround&
   };
   core::stream_frames(source, "figures", info.frames, context, label, [&](int, FrameLabels frame) {
     all.labels.emplace_back(kept_image(frame.labels, context.memory(), all.blocks));
+    for (std::size_t k = 0; k < kFigureThresholds.size(); ++k)
+      for (const SharedRim& rim : frame.shared[k])
+        all.shared[k].push_back({rim.dark + all.readings[k].regions.size(),
+                                 rim.bright + all.readings[k + kFigureThresholds.size()].regions.size(),
+                                 rim.pixels});
     for (std::size_t r = 0; r < kFigureReadings; ++r) {
       FigureReading& reading = all.readings[r];
       for (std::size_t& index : frame.readings[r].of_component)

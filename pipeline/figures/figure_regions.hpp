@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -17,19 +18,20 @@ namespace emberfold::pipeline {
 /// A connected region of a frame in which the amplitude exceeds a threshold.
 struct FigureRegion {
   std::size_t frame = 0;
-  int area = 0;  ///< px of the view, as all lengths here
-  cv::Point2d centre;
+  int area = 0;        ///< px of the view, as all lengths here
+  cv::Point2d centre;  ///< the pixel nearest to the centroid
   cv::Rect box;
-  bool at_border = false;  ///< within 2 px of the frame's or the mask's border
-  int rim = 0;             ///< pixels of the outline
-  int steps = 0;           ///< of those, at which the level changes by half of the contrast within 6 px
-  /// Sums of squares, (grey levels)², that a plane and that two levels leave within 4 px of the region.
+  double border = 0;  ///< px, its length along the border of frame and mask
+  int rim = 0;        ///< pixels of the outline further than 2 px from that
+  /// Sums of squares, (grey levels)², that a plane and that two levels leave within 8 px of the region.
   double plane = 0, figure = 0;
   double thickness = 0;  ///< diameter of the largest disc inside
   bool is_figure = false;
   bool is_removed = false;
   std::vector<std::size_t> next, before;  ///< regions of the next frame and the one before that continue it
 
+  /// Returns the diagonal of the box.
+  [[nodiscard]] double extent() const { return std::hypot(box.width, box.height); }
   /// Returns the width of a strip of this area and outline; half of the diameter of a disc.
   [[nodiscard]] double width() const { return 2. * area / std::max(1, rim); }
 };
@@ -47,11 +49,18 @@ inline constexpr std::size_t kNoRegion = ~std::size_t{0};
 inline constexpr std::array<double, 3> kFigureThresholds = {0, -0.3, 0.3};
 inline constexpr std::size_t kFigureReadings = kFigurePolarities.size() * kFigureThresholds.size();
 
+/// How much of the outlines of two regions of opposite polarity is the same.
+struct SharedRim {
+  std::size_t dark = 0, bright = 0;  ///< regions of the readings of one threshold
+  double pixels = 0;                 ///< of the outlines, mean of both
+};
+
 /// Holds a clip's regions for each polarity (its thresholds one after the other).
 struct FigureRegions {
   std::vector<cv::Mat1b> labels;  ///< by frame; bit r: inside a region of reading r
   std::array<FigureReading, kFigureReadings> readings;
-  ImageBlocks blocks;  ///< that labels lie in
+  std::array<std::vector<SharedRim>, kFigureThresholds.size()> shared;  ///< by threshold
+  ImageBlocks blocks;                                                   ///< that labels lie in
 };
 
 /// Returns the pixels of a frame further than 2 px from the border of frame and mask: 0 or 1.
@@ -64,10 +73,9 @@ FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround&
 /// Returns the region of each pixel of a frame, plus 1; 0: none, or a removed one.
 cv::Mat1i region_numbers(const FigureRegions& all, std::size_t reading, std::size_t frame);
 
-/// Links the regions of neighbouring frames that overlap where motion takes them, removes those that last for
-/// less than 3 frames or whose outlines are no steps, and says which are figures. A figure explains the frame
-/// better than an even slope does, and is wider than a line (12 px), or small and compact, in some frame of
-/// those that links join.
+/// Links the regions of neighbouring frames that overlap where motion takes them, removes those that do not
+/// explain the frames, and says which are figures. A figure is wider than a line (12 px),
+/// or small and compact, in some frame of those that links join.
 void link_figure_regions(FigureRegions& all, const FigureGround& ground, const core::Context& context);
 
 }  // namespace emberfold::pipeline

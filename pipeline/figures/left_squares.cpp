@@ -7,32 +7,25 @@
 
 namespace emberfold::pipeline {
 
-double left_by_plane(const cv::Mat1f& level, const cv::Mat1b& counts) {
+LeftSquares left_squares(const cv::Mat1f& level, const cv::Mat1f& label, const cv::Mat1b& counts) {
   cv::Matx33d normal = cv::Matx33d::zeros();
-  cv::Vec3d moments(0, 0, 0), solution;
-  double squares = 0;
+  cv::Vec3d of_levels(0, 0, 0), of_labels(0, 0, 0), slope, shape;
+  double levels = 0, labels = 0, shared = 0;
   for (int y = 0; y < level.rows; ++y)
     for (int x = 0; x < level.cols; ++x) {
       if (counts(y, x) == 0) continue;
       const cv::Vec3d v(1, x, y);
+      const double l = level(y, x), m = label(y, x);
       normal += v * v.t();
-      moments += v * double(level(y, x));
-      squares += double(level(y, x)) * level(y, x);
+      of_levels += v * l, of_labels += v * m;
+      levels += l * l, labels += m * m, shared += l * m;
     }
-  cv::solve(normal, moments, solution, cv::DECOMP_SVD);
-  return std::max(0., squares - solution.dot(moments));
-}
-
-double left_by_figure(const cv::Mat1f& level, const cv::Mat1f& label, const cv::Mat1b& counts) {
-  double n = 0, m = 0, mm = 0, l = 0, ll = 0, ml = 0;
-  for (int y = 0; y < level.rows; ++y)
-    for (int x = 0; x < level.cols; ++x) {
-      if (counts(y, x) == 0) continue;
-      const double a = label(y, x), b = level(y, x);
-      ++n, m += a, mm += a * a, l += b, ll += b * b, ml += a * b;
-    }
-  const double spread = mm - m * m / n, shared = ml - m * l / n;
-  return std::max(0., ll - l * l / n - (spread > 1e-6 ? shared * shared / spread : 0));
+  cv::solve(normal, of_levels, slope, cv::DECOMP_SVD);
+  cv::solve(normal, of_labels, shape, cv::DECOMP_SVD);
+  // What the plane leaves of the levels, of the label, and of their product.
+  const double left = std::max(0., levels - slope.dot(of_levels));
+  const double of_step = labels - shape.dot(of_labels), both = shared - shape.dot(of_levels);
+  return {left, std::max(0., left - (of_step > 1e-6 ? both * both / of_step : 0))};
 }
 
 }  // namespace emberfold::pipeline

@@ -5,11 +5,12 @@
 
 namespace emberfold::pipeline {
 
-/// Returns the sum of squares that a plane, fitted where `counts` is not 0, leaves of the levels.
-double left_by_plane(const cv::Mat1f& level, const cv::Mat1b& counts);
-
-/// Returns the sum of squares that one level inside the label (0…1, soft edges) and one outside leave where
-/// `counts` is not 0.
-double left_by_figure(const cv::Mat1f& level, const cv::Mat1f& label, const cv::Mat1b& counts);
+/// Sums of squares, (grey levels)², that two descriptions leave of the levels of some pixels.
+struct LeftSquares {
+  double by_plane = 0;   ///< an even slope
+  double by_figure = 0;  ///< a step at the outline of a label, on an even slope
+};
+/// Fits both where `counts` is not 0. `label`: 0…1, soft at the outline.
+LeftSquares left_squares(const cv::Mat1f& level, const cv::Mat1f& label, const cv::Mat1b& counts);
 
 }  // namespace emberfold::pipeline

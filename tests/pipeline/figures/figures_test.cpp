@@ -155,6 +155,19 @@ TEST_CASE("thin lines, noise, and smooth shading are no figures") {
   for (const auto& graph : figures_of(clip).motion.sketch.frames) CHECK(graph.empty());
 }
 
+TEST_CASE("a figure of two frames is born and dies") {
+  const auto clip = film([](Point p, int t) {
+    const double brief = t == 20 || t == 21 ? disc(p, {110, 60}, 14) : 0;
+    return levels(std::max(disc(p, {40, 60}, 14), brief), true);
+  });
+  const auto events = believed(figures_of(clip));
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].type == EventType::birth);
+  CHECK(events[0].frame == 20);
+  CHECK(events[1].type == EventType::death);
+  CHECK(events[1].frame == 22);
+}
+
 TEST_CASE("outlines lie on the edge, with the levels of both sides and the bright one to the right") {
   const bool bright = GENERATE(true, false);
   CAPTURE(bright);
