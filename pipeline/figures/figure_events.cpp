@@ -96,13 +96,19 @@ std::vector<FigureEvent> weigh_figure_changes(const FigureRegions& all, const Fi
     std::ranges::move(joined(of), std::back_inserter(events));
   }
   std::ranges::sort(events, std::greater<>(), [](const FigureEvent& e) {
-    return std::tuple(e.probability, e.change.frame, e.change.at.x, e.change.at.y, e.reading);
+    const bool is_drawn = kFigureThresholds[e.reading % kFigureThresholds.size()] == 0;
+    return std::tuple(is_drawn, kFigurePolarities[e.reading / kFigureThresholds.size()], e.probability,
+                      e.change.frame, e.change.at.x, e.change.at.y, e.reading);
   });
   std::vector<FigureEvent> once;
-  for (const FigureEvent& event : events)
-    if (std::ranges::none_of(once,
-                             [&](const FigureEvent& likelier) { return is_other_side(event, likelier); }))
+  for (const FigureEvent& event : events) {
+    const auto same =
+        std::ranges::find_if(once, [&](const FigureEvent& first) { return is_other_side(event, first); });
+    if (same == once.end())
       once.push_back(event);
+    else
+      same->probability = std::max(same->probability, event.probability);
+  }
   return once;
 }
 

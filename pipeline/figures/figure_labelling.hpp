@@ -12,21 +12,12 @@ struct LabelStar {
   std::vector<std::size_t> parts;
 };
 
-/// Units of opposite classes that explain the same.
-struct LabelRivals {
-  std::size_t first = 0, second = 0;
-  double cost = 0;  ///< of both being 1
-};
-
-/// A labelling of units by 0 and 1. Its energy is −Σ gain(i) x(i) + change · changes + Σ cost x(first)
-/// x(second). A star counts as many changes as its parts of label 1 differ in number from its whole (from 1
-/// where the whole is 1); each unit of label 1 counts those of its own.
+/// A labelling of units by 0 and 1. Its energy is change · changes − Σ gain(i) x(i). A star counts as many
+/// changes as its parts of label 1 differ in number from its whole (from 1 where the whole is 1).
 struct Labelling {
   std::vector<double> gain;
-  std::size_t second = 0;  ///< units from here on are of the second class
   double change = 0;
   std::vector<LabelStar> stars;
-  std::vector<LabelRivals> rivals;
 };
 
 /// Returns labels of low energy: the minimum cut (Boykov & Kolmogorov 2004) of the energy in which each part

@@ -77,41 +77,28 @@ class LinkedReading {
       if (regions_[link.first].next.size() > 1 && regions_[link.second].before.size() > 1) cut(link);
   }
 
-  /// Adds its chains to a labelling: what each gains, and the stars that they meet in.
-  void add_chains(std::size_t frames, double border_of_frame, Labelling& to) {
-    unit_of_.assign(regions_.size(), kNoRegion);
+  /// Removes chains that do not explain the frames.
+  void remove_unexplaining(std::size_t frames, double border_of_frame) {
+    Labelling of;
+    of.change = kChange;
+    std::vector<std::size_t> unit_of(regions_.size(), kNoRegion);
     for (std::size_t i = 0; i < regions_.size(); ++i) {
       if (!begins_chain(i)) continue;
       const auto chain = chain_from(i);
-      const FigureRegion &first = regions_[i], &last = regions_[chain.back()];
-      double gain = 0, rim = 0, border = 0;
-      for (const std::size_t j : chain) {
-        unit_of_[j] = to.gain.size();
-        rim += regions_[j].rim, border += regions_[j].border;
-        gain += regions_[j].rim / kCorrelated * gain_of(regions_[j]);
-      }
-      if (first.before.empty() && first.frame > 0 && first.border == 0) gain -= kChange;
-      if (last.next.empty() && last.frame + 1 < frames && last.border == 0) gain -= kChange;
-      const bool is_ground = border >= std::min(kMostAtBorder * (rim + border),
-                                                kMostOfBorder * border_of_frame * double(chain.size()));
-      to.gain.push_back(is_ground ? kGround : gain);
+      for (const std::size_t j : chain) unit_of[j] = of.gain.size();
+      of.gain.push_back(gain_of_chain(chain, frames, border_of_frame));
     }
     for (std::size_t i = 0; i < regions_.size(); ++i)
       for (const auto* parts : {&regions_[i].next, &regions_[i].before})
         if (parts->size() > 1) {
-          to.stars.push_back({unit_of_[i], {}});
-          for (const std::size_t j : *parts) to.stars.back().parts.push_back(unit_of_[j]);
+          of.stars.push_back({unit_of[i], {}});
+          for (const std::size_t j : *parts) of.stars.back().parts.push_back(unit_of[j]);
         }
-  }
-  /// Returns the unit of a region's chain in the labelling that chains were added to last, or kNoRegion.
-  [[nodiscard]] std::size_t unit_of(std::size_t region) const { return unit_of_[region]; }
-  /// Removes the chains of label 0.
-  void remove_labelled(const std::vector<char>& labels) {
+    const auto labels = best_labels(of);
     for (std::size_t i = 0; i < regions_.size(); ++i)
-      if (unit_of_[i] != kNoRegion && labels[unit_of_[i]] == 0) remove(i);
+      if (unit_of[i] != kNoRegion && labels[unit_of[i]] == 0) remove(i);
   }
 
-  [[nodiscard]] const FigureRegion& region(std::size_t i) const { return regions_[i]; }
   /// Returns one region of those that links join, directly or not, for each region.
   [[nodiscard]] std::vector<std::size_t> families() const {
     std::vector<std::size_t> rank(regions_.size()), parent(regions_.size());
@@ -147,32 +134,25 @@ class LinkedReading {
     return chain;
   }
 
-  std::vector<FigureRegion>& regions_;
-  std::vector<std::size_t> unit_of_;
-};
-
-/// Removes the chains of a threshold that do not explain the frames, or explain only what chains of the other
-/// polarity do.
-void remove_unexplaining(FigureRegions& all, std::size_t threshold, LinkedReading& dark,
-                         LinkedReading& bright) {
-  const std::size_t frames = all.labels.size();
-  const double border_of_frame = 2. * (all.labels[0].cols + all.labels[0].rows);
-  Labelling of;
-  of.change = kChange;
-  dark.add_chains(frames, border_of_frame, of);
-  of.second = of.gain.size();
-  bright.add_chains(frames, border_of_frame, of);
-  std::map<Link, double> shared;
-  for (const SharedRim& rim : all.shared[threshold]) {
-    const std::size_t a = dark.unit_of(rim.dark), b = bright.unit_of(rim.bright);
-    if (a == kNoRegion || b == kNoRegion) continue;
-    const double gain = std::min(gain_of(dark.region(rim.dark)), gain_of(bright.region(rim.bright)));
-    shared[{a, b}] += rim.pixels / kCorrelated * std::max(0., gain);
+  /// Returns the nats by which a chain explains the frames better than nothing does, less its free ends
+  /// inside the clip.
+  [[nodiscard]] double gain_of_chain(const std::vector<std::size_t>& chain, std::size_t frames,
+                                     double border_of_frame) const {
+    const FigureRegion &first = regions_[chain.front()], &last = regions_[chain.back()];
+    double gain = 0, rim = 0, border = 0;
+    for (const std::size_t j : chain) {
+      rim += regions_[j].rim, border += regions_[j].border;
+      gain += regions_[j].rim / kCorrelated * gain_of(regions_[j]);
+    }
+    const double most_border = kMostOfBorder * border_of_frame * double(chain.size());
+    if (border >= std::min(kMostAtBorder * (rim + border), most_border)) return kGround;
+    if (first.before.empty() && first.frame > 0 && first.border == 0) gain -= kChange;
+    if (last.next.empty() && last.frame + 1 < frames && last.border == 0) gain -= kChange;
+    return gain;
   }
-  for (const auto& [pair, cost] : shared) of.rivals.push_back({pair.first, pair.second, cost});
-  const auto labels = best_labels(of);
-  dark.remove_labelled(labels), bright.remove_labelled(labels);
-}
+
+  std::vector<FigureRegion>& regions_;
+};
 
 /// Says which regions of threshold 0 are figures.
 void find_figures(std::vector<FigureRegion>& regions) {
@@ -217,16 +197,12 @@ void link_figure_regions(FigureRegions& all, const FigureGround& ground, const c
   core::parallel_for(links.size(), context, [&](std::size_t t) {
     for (std::size_t r = 0; r < kFigureReadings; ++r) links[t][r] = links_between(all, r, t, ground);
   });
-  std::vector<LinkedReading> linked;
+  const double border_of_frame = 2. * (ground.view.size.width + ground.view.size.height);
   for (std::size_t r = 0; r < kFigureReadings; ++r) {
-    linked.emplace_back(all.readings[r].regions);
-    for (const auto& gap : links) linked[r].add(gap[r]);
-  }
-  for (std::size_t k = 0; k < kFigureThresholds.size(); ++k) {
-    remove_unexplaining(all, k, linked[k], linked[k + kFigureThresholds.size()]);
+    LinkedReading linked(all.readings[r].regions);
+    for (const auto& gap : links) linked.add(gap[r]);
+    linked.remove_unexplaining(frames, border_of_frame);
     context.check();
-  }
-  for (std::size_t r = 0; r < kFigureReadings; ++r) {
     const std::size_t of = r - r % kFigureThresholds.size();
     if (r == of)
       find_figures(all.readings[r].regions);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -21,13 +20,11 @@ constexpr int kSeenBorder = 2;  // px
 constexpr int kConnectivity = 8;
 constexpr int kAround = 8;         // px about a region that it has to explain
 constexpr double kSoftEdge = 1.4;  // px, SD
-constexpr int kBeside = 3;         // px, to an outline that is the same
 
 /// The regions of one frame and reading.
 struct FrameRegions {
   std::vector<FigureRegion> regions;
   std::vector<std::size_t> of_component;  // counted within the frame
-  cv::Mat1i number;                       // the region of each pixel, plus 1
 };
 
 /// Adds how well each region explains the frame about it.
@@ -55,7 +52,7 @@ void explain_regions(const cv::Mat1i& number, const cv::Mat1b& label, const cv::
 FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::Mat1f& level,
                           const cv::Mat1b& inner, double noise) {
   FrameRegions found;
-  cv::Mat1i& number = found.number;
+  cv::Mat1i number;
   cv::Mat stats, centres;
   std::vector<cv::Point2d> centroid;
   const int components =
@@ -95,29 +92,9 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
   return found;
 }
 
-/// Adds, for pairs of regions, half of the pixels of the outlines of `of` that lie beside a region of
-/// `other`.
-void count_beside(const cv::Mat1i& of, const cv::Mat1i& other, bool of_dark,
-                  std::map<std::pair<int, int>, double>& pixels) {
-  for (int y = 1; y + 1 < of.rows; ++y)
-    for (int x = 1; x + 1 < of.cols; ++x) {
-      const int n = of(y, x);
-      if (n == 0 || (of(y - 1, x) != 0 && of(y + 1, x) != 0 && of(y, x - 1) != 0 && of(y, x + 1) != 0))
-        continue;
-      int nearest = 0, least = kBeside * kBeside + 1;
-      for (int v = std::max(0, y - kBeside); v <= std::min(of.rows - 1, y + kBeside); ++v)
-        for (int u = std::max(0, x - kBeside); u <= std::min(of.cols - 1, x + kBeside); ++u) {
-          const int d = (u - x) * (u - x) + (v - y) * (v - y);
-          if (d < least && other(v, u) != 0) least = d, nearest = other(v, u);
-        }
-      if (nearest != 0) pixels[of_dark ? std::pair{n, nearest} : std::pair{nearest, n}] += 0.5;
-    }
-}
-
 /// What is found in a frame.
 struct FrameLabels {
   cv::Mat1b labels;
-  std::array<std::vector<SharedRim>, kFigureThresholds.size()> shared;
   std::array<FrameRegions, kFigureReadings> readings;
 };
 
@@ -133,16 +110,6 @@ FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureG
       out.labels |= label * (1 << r);
       out.readings[r] = find_regions(label, frame, level, inner, ground.noise);
     }
-  }
-  for (std::size_t k = 0; k < kFigureThresholds.size(); ++k) {
-    FrameRegions &dark = out.readings[k], &bright = out.readings[k + kFigureThresholds.size()];
-    std::map<std::pair<int, int>, double> pixels;
-    count_beside(dark.number, bright.number, true, pixels);
-    count_beside(bright.number, dark.number, false, pixels);
-    for (const auto& [pair, count] : pixels)
-      out.shared[k].push_back(
-          {static_cast<std::size_t>(pair.first - 1), static_cast<std::size_t>(pair.second - 1), count});
-    dark.number.release(), bright.number.release();
   }
   return out;
 }
@@ -167,11 +134,6 @@ FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround&
   };
   core::stream_frames(source, "figures", info.frames, context, label, [&](int, FrameLabels frame) {
     all.labels.emplace_back(kept_image(frame.labels, context.memory(), all.blocks));
-    for (std::size_t k = 0; k < kFigureThresholds.size(); ++k)
-      for (const SharedRim& rim : frame.shared[k])
-        all.shared[k].push_back({rim.dark + all.readings[k].regions.size(),
-                                 rim.bright + all.readings[k + kFigureThresholds.size()].regions.size(),
-                                 rim.pixels});
     for (std::size_t r = 0; r < kFigureReadings; ++r) {
       FigureReading& reading = all.readings[r];
       for (std::size_t& index : frame.readings[r].of_component)

@@ -49,18 +49,11 @@ inline constexpr std::size_t kNoRegion = ~std::size_t{0};
 inline constexpr std::array<double, 3> kFigureThresholds = {0, -0.3, 0.3};
 inline constexpr std::size_t kFigureReadings = kFigurePolarities.size() * kFigureThresholds.size();
 
-/// How much of the outlines of two regions of opposite polarity is the same.
-struct SharedRim {
-  std::size_t dark = 0, bright = 0;  ///< regions of the readings of one threshold
-  double pixels = 0;                 ///< of the outlines, mean of both
-};
-
 /// Holds a clip's regions for each polarity (its thresholds one after the other).
 struct FigureRegions {
   std::vector<cv::Mat1b> labels;  ///< by frame; bit r: inside a region of reading r
   std::array<FigureReading, kFigureReadings> readings;
-  std::array<std::vector<SharedRim>, kFigureThresholds.size()> shared;  ///< by threshold
-  ImageBlocks blocks;                                                   ///< that labels lie in
+  ImageBlocks blocks;  ///< that labels lie in
 };
 
 /// Returns the pixels of a frame further than 2 px from the border of frame and mask: 0 or 1.

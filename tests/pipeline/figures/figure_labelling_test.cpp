@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -23,8 +24,6 @@ double energy(const Labelling& of, const std::vector<char>& labels) {
     const auto on = std::ranges::count_if(star.parts, [&](std::size_t i) { return labels[i] != 0; });
     sum += of.change * std::abs(double(on) - labels[star.whole]);
   }
-  for (const auto& pair : of.rivals)
-    if (labels[pair.first] != 0 && labels[pair.second] != 0) sum += pair.cost;
   return sum;
 }
 
@@ -38,21 +37,18 @@ double least_energy(const Labelling& of) {
   return least;
 }
 
-/// Ten units of random gains; of each class two stars of `parts` parts; eight pairs of rivals.
+/// Ten units of random gains and six stars of `parts` parts.
 Labelling random_labelling(core::Rng& rng, std::size_t parts) {
   Labelling of;
   for (int i = 0; i < 10; ++i) of.gain.push_back(rng.uniform(-30, 30));
-  of.second = 5;
   of.change = 12;
-  for (const std::size_t first : {0, 0, 5, 5}) {
-    std::vector<std::size_t> units{0, 1, 2, 3, 4};
-    for (std::size_t k = 0; k < 4; ++k)
-      std::swap(units[k], units[k + rng.below(static_cast<std::uint32_t>(5 - k))]);
-    pipeline::LabelStar star{first + units[0], {}};
-    for (std::size_t k = 1; k <= parts; ++k) star.parts.push_back(first + units[k]);
-    of.stars.push_back(star);
+  for (int n = 0; n < 6; ++n) {
+    std::vector<std::size_t> units(10);
+    std::iota(units.begin(), units.end(), std::size_t{0});
+    for (std::uint32_t k = 0; k < 9; ++k) std::swap(units[k], units[k + rng.below(10 - k)]);
+    of.stars.push_back(
+        {units[0], {units.begin() + 1, units.begin() + 1 + static_cast<std::ptrdiff_t>(parts)}});
   }
-  for (int i = 0; i < 8; ++i) of.rivals.push_back({rng.below(5), 5 + rng.below(5), rng.uniform(0, 40)});
   return of;
 }
 
@@ -80,12 +76,12 @@ TEST_CASE("with larger stars no single change of a label lowers the energy, whic
       label = kept;
     }
   }
-  CHECK(best > 130);
+  CHECK(best > 110);
 }
 
 TEST_CASE("a split costs as many changes as it has parts more than one") {
   // The whole and one part gain enough; the other part gains less than a change costs.
-  Labelling of{.gain = {20, 20, 5}, .second = 3, .change = 12, .stars = {{0, {1, 2}}}, .rivals = {}};
+  Labelling of{.gain = {20, 20, 5}, .change = 12, .stars = {{0, {1, 2}}}};
   CHECK(best_labels(of) == std::vector<char>{1, 1, 0});
   of.gain[2] = 13;
   CHECK(best_labels(of) == std::vector<char>{1, 1, 1});
@@ -94,12 +90,5 @@ TEST_CASE("a split costs as many changes as it has parts more than one") {
   CHECK(best_labels(of) == std::vector<char>{0, 0, 0});
   of.gain[1] = 13;
   CHECK(best_labels(of) == std::vector<char>{0, 1, 0});
-}
-
-TEST_CASE("of two units that explain the same the better one is chosen, of others both") {
-  Labelling of{.gain = {20, 15}, .second = 1, .change = 12, .stars = {}, .rivals = {{0, 1, 16}}};
-  CHECK(best_labels(of) == std::vector<char>{1, 0});
-  of.rivals[0].cost = 14;
-  CHECK(best_labels(of) == std::vector<char>{1, 1});
   CHECK(best_labels(Labelling{}).empty());
 }

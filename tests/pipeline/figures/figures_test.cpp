@@ -155,6 +155,21 @@ TEST_CASE("thin lines, noise, and smooth shading are no figures") {
   for (const auto& graph : figures_of(clip).motion.sketch.frames) CHECK(graph.empty());
 }
 
+TEST_CASE("where bright stripes part and dark ones join the bright ones do") {
+  // Stripes 16 px wide in a frame of grey; one of the bright ones parts.
+  const auto clip = film([](Point p, int t) {
+    const double inside = reached(std::min({p.x - 20, 140 - p.x, p.y - 20, 100 - p.y}), 1.5);
+    const double stripes = 75 * std::tanh(2 * std::sin((p.y - 48) * CV_PI / 16));
+    const double gap = 150 * reached(t - 20., 2) * disc(p, {80, 56}, 9);
+    return 110 + inside * (stripes - gap);
+  });
+  const auto events = believed(figures_of(clip));
+  REQUIRE(events.size() == 1);
+  CHECK(separates(events[0].type));
+  CHECK(std::abs(events[0].frame - 20) <= 3);
+  CHECK(distance(events[0].position, {80, 56}) < 10);
+}
+
 TEST_CASE("a figure of two frames is born and dies") {
   const auto clip = film([](Point p, int t) {
     const double brief = t == 20 || t == 21 ? disc(p, {110, 60}, 14) : 0;
