@@ -11,8 +11,8 @@
 
 namespace emberfold::pipeline {
 
-/// Source of the patches' pixels: their attributes, the frame, or the dictionary.
-enum class PatchDrawing { fitted, pixels, learned };
+/// Source of the patches' pixels: their attributes or the frame.
+enum class PatchDrawing { fitted, pixels };
 
 /// Holds a frame that was reconstructed from its sketch.
 struct Reconstruction {

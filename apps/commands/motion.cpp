@@ -11,10 +11,7 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/edit_options.hpp"
 #include "apps/cli/summary.hpp"
-#include "apps/motion_page/motion_page.hpp"
 #include "apps/report/report_model.hpp"
-#include "apps/runs/corrected_model.hpp"
-#include "core/io/files.hpp"
 #include "core/io/model_folder.hpp"
 #include "core/io/require_apart.hpp"
 #include "pipeline/clip_model.hpp"
@@ -33,10 +30,6 @@ struct Edited {
 
 struct MotionInfo {
   std::string model;
-};
-
-struct MotionPage {
-  std::string model, output;
 };
 
 pipeline::ClipModel read_whole_model(const std::string& folder) {
@@ -136,34 +129,6 @@ void run_motion_info(const MotionInfo& asked, const Session& session) {
   session.print(session.common.json ? json_text(model) : model_table(model));
 }
 
-void run_motion_page(const MotionPage& asked, Session& session) {
-  io::require_apart({asked.model}, {{asked.output}});
-  require_new({asked.output}, session.common);
-  const io::StagedFile file(asked.output);
-  Stages stages;
-  stages.begin("read");
-  auto model = read_drawable_model(asked.model);
-  stages.begin("rates");
-  correct_rates_once(model, session.context);
-  stages.begin("make");
-  const std::string page = make_motion_page({&model, asked.model, kVersion});
-  session.check_stop();
-  stages.begin("write");
-  file.write([&](std::ostream& out) { out << page; });
-  file.finish();
-  stages.end();
-  std::ostringstream size;
-  size << std::fixed << std::setprecision(1) << static_cast<double>(page.size()) / 1e6;
-  session.console.say("the page is " + asked.output + "; " + size.str() + " MB");
-  if (!session.common.json) return;
-  Json summary = begin_summary("motion page", session);
-  summary["model"] = asked.model;
-  summary["output"] = asked.output;
-  summary["bytes"] = page.size();
-  end_summary(summary, session, stages);
-  session.print(json_text(summary));
-}
-
 void add_model(CLI::App& command, std::string& model) {
   command.add_option("MODEL", model, "Read the model from this folder, DIR/model of analyze")
       ->required()
@@ -192,32 +157,18 @@ void add_info(CLI::App& motion, CommandLine& line) {
   finish_command(*command, line, asked, run_motion_info);
 }
 
-void add_page(CLI::App& motion, CommandLine& line) {
-  auto* command =
-      add_command(motion, "page", "Write an HTML page that draws a motion model live, with sliders", R"(
-  emberfold motion page out/fire/model -o fire.html
-  emberfold motion page out/sea/model -o sea.html && xdg-open sea.html)");
-  const auto asked = std::make_shared<MotionPage>();
-  add_model(*command, asked->model);
-  command->add_option("-o,--output", asked->output, "Write this page")->type_name("FILE.html")->required();
-  finish_command(*command, line, asked, run_motion_page);
-}
-
 }  // namespace
 
 void add_motion(CLI::App& app, CommandLine& line) {
-  auto* command = add_command(app, "motion",
-                              "Edit and describe motion models, judge clips by them, run them in a page", R"(
+  auto* command = add_command(app, "motion", "Edit and describe motion models, and judge clips by them", R"(
   emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
   emberfold synth out/wild -o wild.mp4
   emberfold motion info out/wild
-  emberfold motion likelihood out/fire/model out/fire
-  emberfold motion page out/wild -o wild.html)");
+  emberfold motion likelihood out/fire/model out/fire)");
   command->require_subcommand(0, 1);
   add_edit(*command, line);
   add_info(*command, line);
   add_motion_likelihood(*command, line);
-  add_page(*command, line);
 }
 
 }  // namespace emberfold::apps

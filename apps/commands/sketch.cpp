@@ -9,7 +9,6 @@
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/sketching/given_evidence.hpp"
-#include "apps/sketching/sketch_dictionary.hpp"
 #include "apps/sketching/sketch_film.hpp"
 #include "apps/sketching/sketch_frames.hpp"
 #include "apps/sketching/sketch_heat.hpp"
@@ -26,13 +25,11 @@ struct Sketch {
   Reading reading;
   std::string output, evidence, patches = "fitted", fill = "diffusion";
   SketchRequest request;
-  DictionaryRequest dictionary;
   bool own_budget = false, own_regions = false;
 };
 
 // Only names that the parser accepts arrive here.
 pipeline::PatchDrawing patches_named(const std::string& name) {
-  if (name == "learned") return pipeline::PatchDrawing::learned;
   return name == "pixels" ? pipeline::PatchDrawing::pixels : pipeline::PatchDrawing::fitted;
 }
 
@@ -54,10 +51,6 @@ SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, co
   request.ground.seed = session.common.seed;
   check_options(request.extract, "sketch");
   check_options(request.ground.fill, "fill");
-  if (request.patches == pipeline::PatchDrawing::learned && !asked.dictionary.any())
-    throw Misuse("--patches learned needs a dictionary: give --learn-dictionary or --dictionary FOLDER");
-  if (!asked.evidence.empty() && asked.dictionary.any())
-    throw Misuse("--evidence cannot go with a dictionary: its patches are those of curves that are found");
   if (!asked.evidence.empty() && request.extract.boundaries)
     throw Misuse("--evidence cannot go with sketch.boundaries: either tells where the curves are");
   const int regions = request.ground.texture.regions;
@@ -157,11 +150,10 @@ SketchRun write_sketched(const std::string& clip, const SketchRequest& request, 
 void run_sketch(const Sketch& asked, Session& session) {
   const io::ReadOptions read = check_reading(asked.reading, session);
   SketchRequest request = check_request(asked, read, session);
-  const std::vector<std::string> inputs{asked.reading.clip, asked.dictionary.folder, asked.evidence,
-                                        asked.reading.options.mask};
+  const std::vector<std::string> inputs{asked.reading.clip, asked.evidence, asked.reading.options.mask};
   require_apart(inputs, asked.output,
-                {"overlay.mp4", "reconstruction.avi", "film.mp4", "film.png", "heat.mp4", "dictionary",
-                 "dictionary.png", "sketch.jsonl", "drift.csv", "summary.json"},
+                {"overlay.mp4", "reconstruction.avi", "film.mp4", "film.png", "heat.mp4", "sketch.jsonl",
+                 "drift.csv", "summary.json"},
                 session.common);
   io::OutputFolder output(asked.output, session.common.existing());
   output.protect(inputs);
@@ -169,16 +161,12 @@ void run_sketch(const Sketch& asked, Session& session) {
   stages.begin("sketch");
   const auto source = open_clip(asked.reading.clip, read, session);
   check_heat_frame(request, source->info().frames);
-  const auto dictionary = prepare_dictionary(asked.dictionary, *source, request.extract, session);
-  if (dictionary) request.dictionary = &*dictionary;
   std::optional<GivenEvidence> evidence;
   if (!asked.evidence.empty()) request.evidence = &evidence.emplace(asked.evidence, read, source->info());
   const SketchRun run = write_sketched(asked.reading.clip, request, *source, output, stages, session);
   stages.end();
   Json summary = summarise(asked, request, read, source->info(), run, session);
-  if (dictionary) summary["dictionary"] = run.codes.json(dictionary->dictionary);
   write_drift(output, *source);
-  if (asked.dictionary.learn) write_dictionary(output, dictionary->dictionary);
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   write_summary(output, summary);
@@ -207,15 +195,10 @@ void add_drawing(CLI::App& command, Sketch& asked) {
   auto& request = asked.request;
   command
       .add_option("--patches", asked.patches,
-                  "Draw patches from attributes (fitted), pixels or a dictionary (learned)")
+                  "Draw patches from attributes (fitted) or the frame's pixels (pixels)")
       ->type_name("KIND")
-      ->check(CLI::IsMember({"fitted", "pixels", "learned"}).description(""))
+      ->check(CLI::IsMember({"fitted", "pixels"}).description(""))
       ->default_str(asked.patches);
-  auto* learn = command.add_flag("--learn-dictionary", asked.dictionary.learn,
-                                 "Learn a dictionary of the clip's patches: dictionary/, dictionary.png");
-  command.add_option("--dictionary", asked.dictionary.folder, "Use a dictionary that was learned before")
-      ->type_name("FOLDER")
-      ->excludes(learn);
   command
       .add_option("--fill", asked.fill, "Draw the rest by diffusion, or as a texture: julesz or efros-leung")
       ->type_name("KIND")

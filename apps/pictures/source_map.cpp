@@ -20,8 +20,8 @@ namespace {
 using pipeline::SourceKind;
 
 constexpr int kMoments = 6, kMostTimes = 400;
-constexpr int kTimesHeight = 300, kMargin = 60;
-constexpr int kLine = 22;
+constexpr int kTimesHeight = 300, kMapMargin = 60;
+constexpr int kMapLine = 22;
 constexpr double kOfMap = 0.6;  // opacity of the map over the frame
 const cv::Scalar kCarried(40, 130, 255), kHiding(200, 60, 200), kTurning(255, 255, 255);
 
@@ -151,12 +151,12 @@ cv::Mat1f SourceMap::shown_areas() const {
 
 /// Draws shown_areas(), and the shares of all kinds of sources.
 cv::Mat SourceMap::draw_times(int width) const {
-  cv::Mat picture(kTimesHeight + 3 * kLine + 2 * kLine, width, CV_8UC3, kPaper);
-  const int plot_width = width - 2 * kMargin;
+  cv::Mat picture(kTimesHeight + 3 * kMapLine + 2 * kMapLine, width, CV_8UC3, kPaper);
+  const int plot_width = width - 2 * kMapMargin;
   write_text(picture,
              "Which frame of the clip (upwards) is shown in which frame of the new one; darker: in more "
              "of what moves",
-             {kMargin, kLine - 6});
+             {kMapMargin, kMapLine - 6});
   cv::Mat area = shown_areas();
   cv::Mat1f large;
   // Thin lines stay visible when many frames share a pixel.
@@ -166,18 +166,18 @@ cv::Mat SourceMap::draw_times(int width) const {
     for (int x = 0; x < large.cols; ++x) {
       const double part = std::sqrt(std::clamp(double{large(y, x)}, 0.0, 1.0));
       const auto colour = colour_of_time(1 - (y + 0.5) / large.rows);
-      auto& pixel = picture.at<cv::Vec3b>(y + kLine, x + kMargin);
+      auto& pixel = picture.at<cv::Vec3b>(y + kMapLine, x + kMapMargin);
       for (int c = 0; c < 3; ++c)
         pixel[c] = cv::saturate_cast<std::uint8_t>((1 - part) * pixel[c] + part * colour[c]);
     }
-  cv::rectangle(picture, {kMargin - 1, kLine - 1, plot_width + 2, kTimesHeight + 2}, kInk);
-  const int bottom = kLine + kTimesHeight;
+  cv::rectangle(picture, {kMapMargin - 1, kMapLine - 1, plot_width + 2, kTimesHeight + 2}, kInk);
+  const int bottom = kMapLine + kTimesHeight;
   const auto number = [&](int value, cv::Point at) { write_text(picture, std::to_string(value), at); };
-  number(clip_frames_ - 1, {kMargin - 8 - text_width(std::to_string(clip_frames_ - 1)), kLine + 10});
-  number(0, {kMargin - 16, bottom});
-  number(0, {kMargin, bottom + 16});
+  number(clip_frames_ - 1, {kMapMargin - 8 - text_width(std::to_string(clip_frames_ - 1)), kMapLine + 10});
+  number(0, {kMapMargin - 16, bottom});
+  number(0, {kMapMargin, bottom + 16});
   const std::string last = std::to_string(frames_ - 1);
-  write_text(picture, last, {kMargin + plot_width - text_width(last), bottom + 16});
+  write_text(picture, last, {kMapMargin + plot_width - text_width(last), bottom + 16});
 
   const auto share = shares();
   const std::array<std::pair<SourceKind, std::string>, pipeline::kSourceKinds> words = {{
@@ -187,11 +187,11 @@ cv::Mat SourceMap::draw_times(int width) const {
       {SourceKind::carried, "strokes carried here (orange)"},
       {SourceKind::hiding, "strokes hidden here (purple)"},
   }};
-  int x = kMargin, y = bottom + 2 * kLine;
+  int x = kMapMargin, y = bottom + 2 * kMapLine;
   for (const auto& [kind, text] : words) {
     if (share[static_cast<std::size_t>(kind)] == 0) continue;
     const std::string label = percent(share[static_cast<std::size_t>(kind)]) + " " + text;
-    if (x > kMargin && x + text_width(label) > width - kMargin) x = kMargin, y += kLine;
+    if (x > kMapMargin && x + text_width(label) > width - kMapMargin) x = kMapMargin, y += kMapLine;
     write_text(picture, label, {x, y});
     x += text_width(label) + 28;
   }

@@ -70,11 +70,7 @@ SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& 
   const std::uint64_t high = rng.bits();
   ground.seed = high << 32 | rng.bits();
   SketchedFrame result;
-  if (request.dictionary != nullptr) result.codes = encode_frame(levels, graph, *request.dictionary);
-  const auto patches = request.patches == pipeline::PatchDrawing::learned
-                           ? sketch::draw_learned(graph, result.codes, request.dictionary->dictionary,
-                                                  levels.size(), levels.channels())
-                           : pipeline::draw_patches(levels, graph, request.patches);
+  const auto patches = pipeline::draw_patches(levels, graph, request.patches);
   result.graph = request.anchors > 0 ? pipeline::add_anchors(graph, patches, levels, request.anchors) : graph;
   result.patch_share = patches.share();
   result.sketchable = sketch::hold_anchors(patches, result.graph);
@@ -105,9 +101,7 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
   const SketchFilm film({info.width, info.height}, request);
   const double part = sketch_part(request);
   FrameProgress progress(session.context, "sketch", info.frames);
-  const SketchDictionary* dictionary = request.dictionary;
-  sketch::ExtractOptions extract = request.extract;
-  if (dictionary != nullptr && !dictionary->graphs.empty()) extract.steady = false;  // already consistent
+  const sketch::ExtractOptions& extract = request.extract;
   pipeline::stream_steady_frames(
       source, "sketch", extract, session.context, 0,
       [&](int t) {
@@ -115,7 +109,6 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
       },
       [&](int t, const cv::Mat& levels) {
         auto graph = request.evidence != nullptr ? sketch::extract(levels, extract, request.evidence->take(t))
-                     : dictionary != nullptr     ? dictionary->graph(t, levels, extract)
                                                  : sketch::extract(levels, extract);
         progress.report(t, part);
         return std::vector<pipeline::FrameReading>{{levels, std::move(graph)}};
@@ -138,7 +131,6 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
         writer.add(made.drawn.graph);
         run.sketch.append(made.graph);
         run.figures.add(made.drawn, made.graph.size(), request);
-        run.codes.add(made.drawn.codes);
       });
   writer.finish();
   if (!run.sketch.frames.empty()) videos.finish();

@@ -9,7 +9,6 @@
 
 #include "apps/cli/command.hpp"
 #include "apps/sketching/given_evidence.hpp"
-#include "apps/sketching/sketch_dictionary.hpp"
 #include "core/clip.hpp"
 #include "core/io/staged_output.hpp"
 #include "graph/motion_graph.hpp"
@@ -28,10 +27,9 @@ struct SketchRequest {
   pipeline::PatchDrawing patches = pipeline::PatchDrawing::fitted;
   double anchors = 0;  ///< 0…1: share of the frame in patches and anchors together; 0: no anchors
   bool film = false;   ///< film.mp4 and film.png
-  std::optional<int> heat_frame = {};            ///< heat.mp4 of this frame
-  const SketchDictionary* dictionary = nullptr;  ///< needed for learned patches
-  GivenEvidence* evidence = nullptr;             ///< replaces the curves' own evidence
-  std::int64_t first_frame = 0;  ///< start of the clip's part: streams are keyed by the clip's frame
+  std::optional<int> heat_frame = {};  ///< heat.mp4 of this frame
+  GivenEvidence* evidence = nullptr;   ///< replaces the curves' own evidence
+  std::int64_t first_frame = 0;        ///< start of the clip's part: streams are keyed by the clip's frame
 };
 
 /// The reconstruction of a frame.
@@ -39,7 +37,6 @@ struct SketchedFrame {
   double patch_share = 0, anchor_share = 0;  ///< of the pixels, 0…1
   graph::AttributeGraph graph;               ///< with the anchors
   sketch::Sketchable sketchable;             ///< patches and anchors
-  std::vector<sketch::PatchCode> codes;      ///< of the patches, if there is a dictionary
   pipeline::Reconstruction reconstruction;
 };
 
@@ -60,7 +57,6 @@ struct FrameFigures {
 struct SketchRun {
   graph::SketchSequence sketch;
   FrameFigures figures;
-  CodeFigures codes;
 };
 
 /// Sketches the clip, several frames at once, and writes overlay.mp4, reconstruction.avi and, on request,

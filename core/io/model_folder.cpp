@@ -73,9 +73,7 @@ bool holds_images(const fs::path& folder) {
   const std::string name = path.string();
   const auto clip = [&] {
     throw core::IoError(name + " is a clip, not a model; learn one with 'emberfold " +
-                        (format == kMotionFormat       ? "analyze'"
-                         : format == kDictionaryFormat ? "sketch --learn-dictionary'"
-                                                       : "dytex learn'"));
+                        (format == kMotionFormat ? "analyze'" : "dytex learn'"));
   };
   std::error_code error;
   const auto status = fs::status(path, error);
@@ -94,9 +92,8 @@ bool holds_images(const fs::path& folder) {
       throw core::IoError(name + " is one file of a model; give the folder that it is in");
     throw core::IoError(name + " is a file, not a model; a model is a folder with a model.json");
   }
-  for (const char* inner : {"model", "dictionary"})
-    if (fs::exists(path / inner / kText, error))
-      throw core::IoError(name + " is no model; there is one in it, " + (path / inner).string());
+  if (fs::exists(path / "model" / kText, error))
+    throw core::IoError(name + " is no model; there is one in it, " + (path / "model").string());
   if (holds_images(path)) clip();
   throw core::IoError(name + " is no model: it has no model.json");
 }
@@ -248,7 +245,6 @@ std::optional<std::string> model_format(const fs::path& folder) {
 std::string about_model(std::string_view format) {
   if (format == kMotionFormat) return "a motion model; 'emberfold synth' draws from it";
   if (format == kTextureFormat) return "a linear dynamic texture; 'emberfold dytex synth' draws from it";
-  if (format == kDictionaryFormat) return "a dictionary; 'emberfold sketch --dictionary' draws with it";
   return "a model of another kind, " + core::quoted(format);
 }
 

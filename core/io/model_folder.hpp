@@ -14,7 +14,6 @@
 namespace emberfold::io {
 
 constexpr std::string_view kTextureFormat = "emberfold.linear_dynamic_texture";
-constexpr std::string_view kDictionaryFormat = "emberfold.dictionary";
 constexpr std::string_view kMotionFormat = "emberfold.motion_model";
 
 /// Writes model.json and NAME.npy for every array into the folder `name` of an output, created if absent; ""

@@ -7,14 +7,13 @@ from typing import Any, Sequence, Tuple
 import numpy as np
 
 from . import _native
-from ._native import (Dictionary, ExtractOptions, FillOptions, NonsketchableFillOptions, SketchSequence, add_anchors, draw_learned,
-                      draw_patches, estimate_noise)
+from ._native import (ExtractOptions, FillOptions, NonsketchableFillOptions, SketchSequence, add_anchors, draw_patches,
+                      estimate_noise)
 from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
-__all__ = ["Dictionary", "ExtractOptions", "FillOptions", "NonsketchableFillOptions", "SketchSequence", "add_anchors", "draw_learned",
-           "draw_morph", "draw_patches", "estimate_noise", "extract", "fill", "fill_nonsketchable", "learn_dictionary", "make_heat_film",
-           "reconstruct", "sketch_clip"]
+__all__ = ["ExtractOptions", "FillOptions", "NonsketchableFillOptions", "SketchSequence", "add_anchors", "draw_morph", "draw_patches",
+           "estimate_noise", "extract", "fill", "fill_nonsketchable", "make_heat_film", "reconstruct", "sketch_clip"]
 
 
 def _bytes(mask: Any) -> Any:
@@ -34,7 +33,7 @@ def fill(levels: np.ndarray, mask: np.ndarray, **options: Any) -> np.ndarray:
 def fill_nonsketchable(observed: np.ndarray, drawn: Tuple[np.ndarray, np.ndarray], *, progress: Progress = None,
                        **options: Any) -> np.ndarray:
     """Fills what lies between the patches: by diffusion, or kind="julesz" or "efros_leung" with texture. drawn: what
-    draw_patches() or draw_learned() made. Arguments are the fields of NonsketchableFillOptions."""
+    draw_patches() made. Arguments are the fields of NonsketchableFillOptions."""
     with reporter(progress) as report:
         return _native.fill_nonsketchable(observed, *drawn, NonsketchableFillOptions(**options), report)
 
@@ -58,12 +57,6 @@ def reconstruct(levels: np.ndarray, sketch: SketchSequence, **options: Any) -> n
     return _native.reconstruct(levels, sketch, FillOptions(**options))
 
 
-def learn_dictionary(clip: ClipLike, sketch: SketchSequence, *, seed: int = 0, progress: Progress = None) -> Dictionary:
-    """Learns what the patches of a clip's sketch look like."""
-    with reporter(progress) as report:
-        return _native.learn_dictionary(data_of(clip), sketch, seed, report)
-
-
 def sketch_clip(clip: ClipLike, *, progress: Progress = None, **options: Any) -> SketchSequence:
     """Sketches a clip; arguments are the fields of ExtractOptions."""
     own = _native.AnalyzeOptions().sketch  # what is followed in time is drawn with its defaults
@@ -75,5 +68,5 @@ def sketch_clip(clip: ClipLike, *, progress: Progress = None, **options: Any) ->
         return _native.sketch_clip(data_of(clip), own, report)
 
 
-for _made in (draw_morph, extract, fill, fill_nonsketchable, learn_dictionary, make_heat_film, reconstruct, sketch_clip):
+for _made in (draw_morph, extract, fill, fill_nonsketchable, make_heat_film, reconstruct, sketch_clip):
     _made.__doc__ = f"{_made.__doc__}\n\n{getattr(_native, _made.__name__).__doc__}"

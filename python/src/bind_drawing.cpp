@@ -7,24 +7,20 @@
 #include <pybind11/stl.h>
 
 #include "core/error.hpp"
-#include "core/io/model_folder.hpp"
 #include "pipeline/reconstruct.hpp"
-#include "python/src/archives.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"
 #include "python/src/clip_data.hpp"
 #include "python/src/holders.hpp"
 #include "python/src/options.hpp"
-#include "sketch/dictionary/dictionary.hpp"
-#include "sketch/extract.hpp"
 #include "sketch/inpainting/anchors.hpp"
 #include "sketch/inpainting/heat_film.hpp"
 #include "sketch/rendering/morph_frames.hpp"
 #include "sketch/rendering/render.hpp"
 #include "sketch/texture/texture_fill.hpp"
 
-// From graphs back to frames: drawn patches, anchors, what lies between, and the learned dictionary.
+// From graphs back to frames: drawn patches, anchors and what lies between.
 namespace emberfold::python {
 
 namespace {
@@ -113,73 +109,6 @@ void bind_options(py::module_& module) {
       .finish();
 }
 
-sketch::Dictionary learn_dictionary(const ClipData& clip, const Sketch& sketch, std::uint64_t seed,
-                                    const py::object& progress) {
-  return call(progress, [&](const core::Context& context) {
-    sketch::DictionaryLearner learner(seed);
-    const auto source = clip.open();
-    const auto& graphs = sketch.graphs->frames;
-    for (std::size_t t = 0; t < graphs.size(); ++t) {
-      context.check();
-      const cv::Mat frame = source->next();
-      if (frame.empty()) throw core::InputError("sketch has more frames than the clip");
-      learner.add(static_cast<std::uint32_t>(t),
-                  sketch::view_patches(core::to_levels(frame, source->info()), graphs[t]));
-      context.report("views", (double(t) + 1) / double(graphs.size()));
-    }
-    return learner.learn(context);
-  });
-}
-
-py::tuple draw_learned(const py::array& levels, const Sketch& sketch, const sketch::Dictionary& dictionary) {
-  const cv::Mat frame = to_levels(levels, "levels");
-  const auto& graph = only_frame(sketch);
-  return drawn_tuple(call(py::none(), [&](const core::Context&) {
-    const auto codes = sketch::encode(frame, graph, dictionary, sketch::estimate_noise(core::luma(frame)));
-    return sketch::draw_learned(graph, codes, dictionary, frame.size(), frame.channels());
-  }));
-}
-
-void bind_dictionary(py::module_& module) {
-  using sketch::Dictionary;
-  py::class_<Dictionary> dictionary(module, "Dictionary", doc("sketch::Dictionary"));
-  dictionary.def("__len__", [](const Dictionary& d) { return d.entries.size(); })
-      .def_property_readonly(
-          "entries",
-          [](const Dictionary& d) {
-            py::list rows;
-            for (const auto& e : d.entries)
-              rows.append(
-                  py::make_tuple(graph::name(e.type), e.degree, e.seen, e.share, e.residual,
-                                 py::array_t<float>(static_cast<py::ssize_t>(e.mean.size()), e.mean.data())));
-            return rows;
-          },
-          "Tuples of type, degree, seen, share, residual and the mean shape, a profile or a window.")
-      .def(
-          "write",
-          [](const Dictionary& d, const std::string& folder) {
-            io::write_model(folder, sketch::to_archive(d));
-          },
-          py::arg("folder"), doc("io::write_model"))
-      .def_static(
-          "read",
-          [](const std::string& folder) {
-            return sketch::read_dictionary(io::read_model(folder, io::kDictionaryFormat));
-          },
-          py::arg("folder"), doc("io::read_model"))
-      .def("__eq__",
-           [](const Dictionary& a, const py::object& b) {
-             return py::isinstance<Dictionary>(b) && a == b.cast<const Dictionary&>();
-           })
-      .def(py::pickle([](const Dictionary& d) { return to_state(sketch::to_archive(d)); },
-                      [](const py::tuple& state) { return sketch::read_dictionary(to_archive(state)); }));
-  dictionary.attr("__hash__") = py::none();
-  module.def("learn_dictionary", learn_dictionary, py::arg("clip"), py::arg("sketch"), py::arg("seed") = 0,
-             py::arg("progress") = py::none(), doc("sketch::DictionaryLearner"));
-  module.def("draw_learned", draw_learned, py::arg("levels"), py::arg("sketch"), py::arg("dictionary"),
-             doc("sketch::draw_learned"));
-}
-
 void bind_morph_drawing(py::module_& module) {
   module.def(
       "draw_morph",
@@ -201,7 +130,6 @@ void bind_morph_drawing(py::module_& module) {
 
 void bind_drawing(py::module_& module) {
   bind_options(module);
-  bind_dictionary(module);
   bind_morph_drawing(module);
   module.def("draw_patches", draw_patches, py::arg("levels"), py::arg("sketch"),
              py::arg("patches") = "fitted", doc("pipeline::draw_patches"));

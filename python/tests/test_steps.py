@@ -47,20 +47,6 @@ def test_fills(frame, sketch):
     assert np.array_equal(film[0], frame) and film.shape == (3, *frame.shape)
 
 
-def test_a_dictionary_is_learned_and_kept(tmp_path):
-    clip = bars(6)
-    graphs = ef.sketch.sketch_clip(clip)
-    dictionary = ef.sketch.learn_dictionary(clip, graphs)
-    assert len(dictionary) and pickle.loads(pickle.dumps(dictionary)) == dictionary
-    dictionary.write(str(tmp_path / "dictionary"))
-    assert ef.sketch.Dictionary.read(str(tmp_path / "dictionary")) == dictionary
-    kind, degree, seen, share, residual, shape = dictionary.entries[0]
-    assert kind in ef.graph.PATCH_TYPES and seen > 0 and 0 < share <= 1 and np.isclose((shape**2).mean(), 1, atol=1e-3)
-    levels = clip[0].astype(np.float32)
-    drawn, mask = ef.sketch.draw_learned(levels, ef.sketch.extract(levels, sensitivity=0.3), dictionary)
-    assert np.abs(drawn[mask > 0] - levels[mask > 0]).mean() < 15
-
-
 def test_rates_agree_with_closed_forms():
     mean, low, high = ef.rates.event_rate(0, 10)
     assert mean == low == 0 and np.isclose(high, -np.log(0.05) / 10)  # Garwood, of no event

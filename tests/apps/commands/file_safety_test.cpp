@@ -78,7 +78,7 @@ TEST_CASE("no command writes into the folder or the pattern of images that it re
               made.frames);
 }
 
-TEST_CASE("no command writes onto models, masks, maps and dictionaries that it reads") {
+TEST_CASE("no command writes onto models, masks and maps that it reads") {
   const Sources made;
   fs::create_directory_symlink(made.model, made.at("other"));
   for (const auto& folder : {made.model, made.at("other")}) {
@@ -87,7 +87,6 @@ TEST_CASE("no command writes onto models, masks, maps and dictionaries that it r
     made.refuse({"dytex", "synth", made.model, "-o", folder}, folder, made.model);
     made.refuse({"dytex", "distance", made.model, made.frames, "-o", folder}, folder, made.model);
     made.refuse({"dytex", "forecast", made.model, "-o", folder}, folder, made.model);
-    made.refuse({"sketch", made.clip, "--dictionary", made.model, "-o", folder}, folder, made.model);
   }
   const std::string json = made.model + "/model.json";
   made.refuse({"dytex", "page", made.model, "-o", json}, json, json);

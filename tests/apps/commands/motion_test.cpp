@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "apps/motion_page/motion_page_assets.hpp"
 #include "core/io/model_folder.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "pipeline/clip_model.hpp"
@@ -103,40 +102,6 @@ TEST_CASE("motion info and dytex info tell how many parameters a model has") {
   const auto texture = Json::parse(run_command({"dytex", "info", made.model + "/texture", "--json"}).out);
   const double m = 160 * 120 * texture["channels"].get<double>(), n = texture["components"];
   CHECK(texture["parameters"] == m + m * n + n * n + n * texture["noise_inputs"].get<double>());
-}
-
-TEST_CASE("motion page writes one file that asks for nothing else") {
-  if (apps::motion_page_program().empty()) {
-    WARN("this build has no simulator for pages; nothing is tested");
-    return;
-  }
-  const auto& made = learned();
-  const auto page = made.temp / "page.html";
-  const std::vector<std::string> words{"motion", "page", made.model, "-o", page.string(), "--json"};
-  const auto result = run_command(words);
-  INFO(result.err);
-  REQUIRE(result.exit == 0);
-  const std::string html = bytes_of(page);
-  CHECK(Json::parse(result.out)["bytes"] == html.size());
-  CHECK_FALSE(std::regex_search(html, std::regex("(src|href|action|poster)\\s*=\\s*[\"']?(https?:)?//")));
-  CHECK_FALSE(
-      std::regex_search(html, std::regex("@import|fetch\\(|XMLHttpRequest|import\\(|WebSocket|https?://")));
-  CHECK(html.find("default-src 'none'") != std::string::npos);
-  CHECK(html.find("{{") == std::string::npos);
-  CHECK(html.find("<title>run &ndash;") != std::string::npos);
-  // a page is not overwritten, and stays as it is
-  check_one_line(words, 2, {"page.html", "--overwrite"});
-  CHECK(bytes_of(page) == html);
-}
-
-TEST_CASE("motion page refuses what is no model in one line") {
-  const auto& made = learned();
-  const auto page = made.temp / "refused.html";
-  check_one_line({"motion", "page", made.temp.path().string(), "-o", page.string(), "-q"}, 1, {"model"},
-                 page);
-  check_one_line({"motion", "page", made.model + "/texture", "-o", page.string(), "-q"}, 1, {"texture"},
-                 page);
-  check_one_line({"motion", "page", made.model, "-q"}, 2, {"--output"}, page);
 }
 
 TEST_CASE("motion edit tells misuse in the option's name and leaves nothing behind") {

@@ -370,7 +370,6 @@ TEST_CASE("curves may come from a file, one image for all frames or one for each
   cv::imwrite((temp / "small.png").string(), cv::Mat1b(map, cv::Rect(0, 0, 50, 40)));
   refused({"--evidence", (temp / "small.png").string()}, 1, "50x40");
   refused({"--evidence", (temp / "none.png").string()}, 1, "none.png");
-  refused({"--evidence", (temp / "one.png").string(), "--learn-dictionary"}, 2, "--evidence");
   refused({"--evidence", (temp / "one.png").string(), "--set", "sketch.boundaries=true"}, 2, "--evidence");
 }
 

@@ -13,7 +13,6 @@
 #include "core/rng.hpp"
 #include "graph/io/motion_io.hpp"
 #include "sketch/background/still_background.hpp"
-#include "sketch/dictionary/dictionary.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/sharpening.hpp"
@@ -269,16 +268,6 @@ TEST_CASE("What is measured of strokes does not change by anchors among them", "
              sketch::measure_background(frame, strokes).uncovered));
   CHECK(sketch::measure_flank_gradient(frame, both).places ==
         sketch::measure_flank_gradient(frame, strokes).places);
-  CHECK(sketch::view_patches(frame, both).size() == strokes.size());
-  sketch::DictionaryLearner learner(1);
-  learner.add(0, sketch::view_patches(frame, both));
-  const auto dictionary = learner.learn();
-  const auto codes = sketch::encode(frame, both, dictionary, 2);
-  REQUIRE(codes.size() == strokes.size());
-  const auto with = sketch::draw_learned(both, codes, dictionary, kAnchorsSize, 1),
-             without = sketch::draw_learned(strokes, codes, dictionary, kAnchorsSize, 1);
-  CHECK(same(with.levels, sketch::hold_anchors(without, both).levels));
-  CHECK(same(with.mask, sketch::hold_anchors(without, both).mask));
 }
 
 TEST_CASE("Anchors are added only where a mask of the frame says so", "[sketch][anchors]") {
