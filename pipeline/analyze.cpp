@@ -13,6 +13,7 @@
 #include "pipeline/figures/figures.hpp"
 #include "pipeline/frame_synthesis.hpp"
 #include "pipeline/inference/clip_readings.hpp"
+#include "pipeline/inference/cuts.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
 #include "pipeline/rate_correction.hpp"
@@ -191,11 +192,20 @@ void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
       options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, analysis.events);
 }
 
+std::string words_of(const std::vector<int>& cuts) {
+  std::string frames;
+  for (const int cut : cuts) frames += (frames.empty() ? "" : ", ") + std::to_string(cut);
+  return "another picture begins at frame" + std::string(cuts.size() > 1 ? "s " : " ") + frames +
+         " (a cut, black frames or a flash); what that ends or begins is no event";
+}
+
 /// Finds motion and events, or reads those that are kept; the model is learned where it is not kept.
 void find_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
                  const AnalysisStages* stages, bool has_model, Analysis& analysis, mcmc::FitResult& fitted,
                  core::StageClock& clock, const core::Context& context) {
   const bool keeps = stages != nullptr && !options.sample;
+  analysis.cuts = find_cuts(source, context);
+  if (!analysis.cuts.empty()) context.warn(words_of(analysis.cuts));
   auto kept = keeps ? stages->read_motion(context) : std::nullopt;
   if (kept) {
     analysis.motion = std::move(kept->motion);
@@ -218,6 +228,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
         copy = without_outlines(copy, figures.motion.sketch);
     }
     infer_motion(source, lasting, std::move(figures), options, analysis, fitted, clock, context);
+    if (!options.bottom_up) disbelieve_cuts(analysis.all_events, analysis.cuts);
     if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events});
   }
   if (options.review) {

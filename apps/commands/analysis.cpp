@@ -244,6 +244,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   summary["motion"] = motion_json(motion);
   summary["events"] = events_json(found.events, motion.sketch.frames.size());
   if (!options.bottom_up) summary["events"].update(certainty_json(found.all_events));
+  summary["events"]["cuts"] = found.cuts;
   summary["model"] = motion_model_figures(found.model.motion);
   summary["calibration"] = correction_json(found.model.correction);
   const auto& sharpening = found.model.sharpening;
