@@ -108,14 +108,15 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
         if (request.evidence != nullptr) request.evidence->read(t);
       },
       [&](int t, const cv::Mat& levels) {
-        auto graph = request.evidence != nullptr ? sketch::extract(levels, extract, request.evidence->take(t))
-                                                 : sketch::extract(levels, extract);
+        const auto graph = request.evidence != nullptr
+                               ? sketch::extract(levels, extract, request.evidence->take(t))
+                               : sketch::extract(levels, extract);
         progress.report(t, part);
-        return std::vector<pipeline::FrameReading>{{levels, std::move(graph)}};
+        return std::vector<pipeline::FrameReading>{{levels, graph}};
       },
       [&](int t, std::vector<pipeline::FrameReading> readings) {
         const cv::Mat& levels = readings.front().levels;
-        Made made{std::move(readings.front().graph), {}, {}, {}};
+        Made made{readings.front().graph, {}, {}, {}};
         const auto context = progress.step(t, part);
         context.report("sketch", 0);
         made.drawn = draw_sketched(levels, made.graph, t, request, context);

@@ -30,7 +30,8 @@ bool is_change(EventType of_regions, EventType of_strokes) {
 }
 
 /// Returns the strokes' changes, each with the probability and place of the change of regions that it is.
-std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector<FigureEvent>& weighed) {
+std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector<FigureEvent>& weighed,
+                                    const FigureView& view) {
   using Region = std::pair<std::size_t, std::size_t>;  // reading and index
   std::map<Region, graph::SubgraphId> stroke_of;
   for (std::size_t t = 0; t < drawn.region_of.size(); ++t)
@@ -55,6 +56,7 @@ std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector
           !names({is.reading, is.change.whole}) || !names({is.reading, is.change.part}))
         continue;
       event.probability = is.probability;
+      event.position = view.in_frame(is.change.at.x, is.change.at.y);
     }
   }
   graph::sort_events(events);
@@ -71,7 +73,7 @@ Figures find_figures(core::FrameSource& source, const core::Context& context) {
   link_figure_regions(regions, ground, context);
   const auto weighed = weigh_figure_changes(regions, ground, context);
   DrawnFigures drawn = draw_figures(source, regions, ground, context);
-  auto events = events_of(drawn, weighed);
+  auto events = events_of(drawn, weighed, ground.view);
   return {std::move(drawn.motion), std::move(events)};
 }
 
