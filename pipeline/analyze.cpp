@@ -204,17 +204,17 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
                  const AnalysisStages* stages, bool has_model, Analysis& analysis, mcmc::FitResult& fitted,
                  core::StageClock& clock, const core::Context& context) {
   const bool keeps = stages != nullptr && !options.sample;
-  analysis.cuts = find_cuts(source, context);
-  if (!analysis.cuts.empty()) context.warn(words_of(analysis.cuts));
   auto kept = keeps ? stages->read_motion(context) : std::nullopt;
   if (kept) {
     analysis.motion = std::move(kept->motion);
     analysis.joints = std::move(kept->joints);
     analysis.all_events = std::move(kept->all_events);
+    analysis.cuts = std::move(kept->cuts);
     clock.begin("learn");
     if (!has_model) fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
     clock.begin("carry");
+    analysis.cuts = find_cuts(source, context);
     StartSketches lasting =
         options.sketch.steady ? with_lasting_patches(source, sketches, context) : sketches;
     Figures figures;
@@ -229,8 +229,9 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     }
     infer_motion(source, lasting, std::move(figures), options, analysis, fitted, clock, context);
     if (!options.bottom_up) disbelieve_cuts(analysis.all_events, analysis.cuts);
-    if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events});
+    if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events, analysis.cuts});
   }
+  if (!analysis.cuts.empty()) context.warn(words_of(analysis.cuts));
   if (options.review) {
     const std::size_t gaps = analysis.motion.sketch.frames.size() - 1;
     analysis.reviewed = apply_review(analysis.all_events, *options.review, gaps, options.seed);

@@ -2,7 +2,6 @@
 #include "apps/sketching/sketch_frames.hpp"
 
 #include <memory>
-#include <utility>
 
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"

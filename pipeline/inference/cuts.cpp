@@ -48,7 +48,7 @@ std::vector<int> find_cuts(core::FrameSource& source, const core::Context& conte
   cv::Mat1f before;
   std::vector<double> like, changed;  // by gap
   core::stream_frames(
-      source, "carry", info.frames, context, [&](int, const cv::Mat& frame) { return reduced(frame, info); },
+      source, "cuts", info.frames, context, [&](int, const cv::Mat& frame) { return reduced(frame, info); },
       [&](int, const cv::Mat1f& frame) {
         if (!before.empty())
           like.push_back(likeness(before, frame)), changed.push_back(changed_share(before, frame));

@@ -188,9 +188,10 @@ std::optional<FoundMotion> AnalysisStages::read_motion(const core::Context& cont
     FoundMotion found;
     found.motion.sketch.frames = read_graphs(*columns, context.memory());
     found.motion.links = read_links(*columns);
-    const auto size = nlohmann::json::parse(columns->text);
-    found.motion.sketch.width = size.at("width"), found.motion.sketch.height = size.at("height");
-    found.motion.sketch.fps = size.at("fps");
+    const auto text = nlohmann::json::parse(columns->text);
+    found.motion.sketch.width = text.at("width"), found.motion.sketch.height = text.at("height");
+    found.motion.sketch.fps = text.at("fps");
+    found.cuts = text.at("cuts").get<std::vector<int>>();
     graph::validate(found.motion);
     found.joints = read_joints(*columns);
     found.all_events = read_events(*columns);
@@ -202,14 +203,15 @@ std::optional<FoundMotion> AnalysisStages::read_motion(const core::Context& cont
 
 void AnalysisStages::keep_motion(const FoundMotion& found) const {
   const auto& sketch = found.motion.sketch;
-  const nlohmann::json size = {{"width", sketch.width}, {"height", sketch.height}, {"fps", sketch.fps}};
+  const nlohmann::json text = {
+      {"width", sketch.width}, {"height", sketch.height}, {"fps", sketch.fps}, {"cuts", found.cuts}};
   io::ColumnWriter writer(folder_ / "motion");
   write_graphs(writer, sketch, {}, found.motion.links);
   io::Columns columns;
   add_joints(columns, found.joints);
   add_events(columns, found.all_events);
   writer.append(columns.arrays);
-  writer.finish(keys_.motion, size.dump());
+  writer.finish(keys_.motion, text.dump());
 }
 
 std::optional<LearnedModel> AnalysisStages::read_model() const {

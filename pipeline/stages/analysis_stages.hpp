@@ -23,6 +23,7 @@ struct FoundMotion {
   graph::MotionGraph motion;
   std::vector<graph::CurveJoint> joints;
   std::vector<graph::Event> all_events;
+  std::vector<int> cuts;
 };
 
 /// Results of learning.
