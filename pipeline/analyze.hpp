@@ -100,8 +100,8 @@ class AnalysisStages;
 
 /// Analyses a clip: sketches, motion, events and the model that new clips are drawn from.
 /// Each event has the probability that the images show it (event_posterior), unless options ask otherwise.
-/// Reads the clip several times, frame by frame, and keeps all graphs. The model's rates are learned; they are
-/// corrected when strokes are first drawn from it (RateCorrection). `stages`: stores the results of each
+/// Reads the clip several times, frame by frame, and keeps all graphs. The model's rates are learned; they
+/// are corrected when strokes are first drawn from it (RateCorrection). `stages`: stores the results of each
 /// stage and returns those that an earlier call stored. Equal clips, options and seeds give equal results at
 /// any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError for a clip
 /// of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:
