@@ -214,7 +214,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     if (!has_model) fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
     clock.begin("carry");
-    analysis.cuts = find_cuts(source, context);
+    analysis.cuts = find_cuts(source, context.with_progress({}));
     StartSketches lasting =
         options.sketch.steady ? with_lasting_patches(source, sketches, context) : sketches;
     Figures figures;
