@@ -195,8 +195,8 @@ void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
 std::string words_of(const std::vector<int>& cuts) {
   std::string frames;
   for (const int cut : cuts) frames += (frames.empty() ? "" : ", ") + std::to_string(cut);
-  return "another picture begins at frame" + std::string(cuts.size() > 1 ? "s " : " ") + frames +
-         " (a cut, black frames or a flash); what that ends or begins is no event";
+  return "the picture changes at frame" + std::string(cuts.size() > 1 ? "s " : " ") + frames +
+         " (a cut, black frames or a flash); strokes that end or begin there are not counted as events";
 }
 
 /// Finds motion and events, or reads those that are kept; the model is learned where it is not kept.

@@ -16,10 +16,7 @@ namespace {
 
 constexpr std::size_t kUndoneFrames = 3;  // frames that a state lasts
 constexpr double kUndoneReach = 12;       // px
-constexpr double kLeastReach = 15;        // px
-constexpr double kReachInWidths = 3;
-constexpr std::size_t kSettled = 3;  // frames
-constexpr int kContactBorder = 2;    // px, nearer to which half of a contact lies outside
+constexpr int kContactBorder = 2;         // px, nearer to which half of a contact lies outside
 
 /// Returns where `part` meets the rest of the region `whole` of a neighbouring frame: both grow in it from
 /// where they are carried to, and meet half way.
@@ -94,24 +91,6 @@ std::vector<FigureChange> without_undone(std::vector<FigureChange> changes) {
   return left;
 }
 
-/// Returns the birth or death of region i. What fades appears and vanishes in pieces: its place and reach are
-/// those some frames away from its end.
-FigureChange end_of(const std::vector<FigureRegion>& regions, std::size_t i, bool is_birth) {
-  std::size_t settled = i;
-  for (std::size_t k = 0; k < kSettled; ++k) {
-    const auto& on = is_birth ? regions[settled].next : regions[settled].before;
-    if (on.size() != 1) break;
-    settled = on[0];
-  }
-  return {is_birth ? regions[i].frame : regions[i].frame + 1,
-          is_birth ? EventType::birth : EventType::death,
-          regions[settled].centre,
-          std::max(kLeastReach, regions[settled].extent() / 2),
-          regions[i].width(),
-          i,
-          i};
-}
-
 }  // namespace
 
 std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::size_t reading,
@@ -126,9 +105,10 @@ std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::siz
     const FigureRegion& region = regions[i];
     if (!region.is_figure) continue;
     const bool can_end = region.border == 0;
-    if (can_end && region.before.empty() && region.frame > 0) changes.push_back(end_of(regions, i, true));
+    if (can_end && region.before.empty() && region.frame > 0)
+      changes.push_back({region.frame, EventType::birth, region.centre, region.width(), i, i});
     if (can_end && region.next.empty() && region.frame + 1 < frames)
-      changes.push_back(end_of(regions, i, false));
+      changes.push_back({region.frame + 1, EventType::death, region.centre, region.width(), i, i});
     for (const bool splits : {true, false}) {
       const auto& parts = splits ? region.next : region.before;
       if (parts.size() < 2) continue;
@@ -136,7 +116,6 @@ std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::siz
         if (part != largest(parts))
           changes.push_back({splits ? region.frame + 1 : region.frame,
                              splits ? EventType::split : EventType::merge, regions[part].centre,
-                             std::max(kLeastReach, kReachInWidths * regions[part].width()),
                              regions[part].width(), i, part});
     }
   }

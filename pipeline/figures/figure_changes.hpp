@@ -15,9 +15,8 @@ struct FigureChange {
   std::size_t frame = 0;
   graph::EventType type = graph::EventType::birth;  ///< birth, death, split or merge
   cv::Point2d at;                                   ///< px of the view
-  double reach = 0;                 ///< px, within which a change of another threshold is the same
-  double width = 0;                 ///< px, of what appears, vanishes, parts or joins
-  std::size_t whole = 0, part = 0;  ///< regions: of a split or merge both, else the same
+  double width = 0;                                 ///< px, of what appears, vanishes, parts or joins
+  std::size_t whole = 0, part = 0;                  ///< regions: of a split or merge both, else the same
 };
 
 /// Finds the changes of a reading's figures. Those that undo one another within 3 frames and 12 px are none.

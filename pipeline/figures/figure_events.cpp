@@ -17,7 +17,7 @@ using graph::EventType;
 namespace {
 
 constexpr double kLeastRadius = 5, kMostRadius = 40, kRadiusInWidths = 3;  // px; widths
-constexpr double kSameFrames = 6;
+constexpr double kSameReach = 15, kSameFrames = 6;                         // px, or three widths; frames
 
 double radius_of(const FigureChange& change) {
   return std::clamp(kRadiusInWidths * change.width, kLeastRadius, kMostRadius);
@@ -43,6 +43,10 @@ double followed(const FigureGround& ground, const FigureChange& change) {
 
 using WeighedReading = std::vector<FigureEvent>;
 
+double reach_of(double width) {
+  return std::max(kSameReach, 3 * width);
+}
+
 /// Joins the changes that several thresholds of a polarity see.
 WeighedReading joined(const std::array<WeighedReading, kFigureThresholds.size()>& of) {
   WeighedReading events;
@@ -59,7 +63,8 @@ WeighedReading joined(const std::array<WeighedReading, kFigureThresholds.size()>
           const FigureChange &one = event.change, &other = of[q][j].change;
           const double apart = cv::norm(one.at - other.at),
                        late = std::abs(double(one.frame) - double(other.frame));
-          if (used[q][j] != 0 || one.type != other.type || apart >= one.reach || late > kSameFrames) continue;
+          if (used[q][j] != 0 || one.type != other.type || apart >= reach_of(one.width) || late > kSameFrames)
+            continue;
           if (apart + 3 * late < nearest) nearest = apart + 3 * late, same = j;
         }
         if (same == of[q].size()) continue;
@@ -78,7 +83,7 @@ bool is_other_side(const FigureEvent& one, const FigureEvent& other) {
                         (a.type == EventType::merge && b.type == EventType::split);
   return opposite && one.reading / kFigureThresholds.size() != other.reading / kFigureThresholds.size() &&
          std::abs(double(a.frame) - double(b.frame)) <= kSameFrames &&
-         cv::norm(a.at - b.at) <= std::min(a.reach, b.reach);
+         cv::norm(a.at - b.at) <= reach_of(std::min(a.width, b.width));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -54,7 +53,6 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
   FrameRegions found;
   cv::Mat1i number;
   cv::Mat stats, centres;
-  std::vector<cv::Point2d> centroid;
   const int components =
       cv::connectedComponentsWithStats(label, number, stats, centres, kConnectivity, CV_32S);
   for (int i = 1; i < components; ++i) {
@@ -63,11 +61,10 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
     if (s[cv::CC_STAT_AREA] < kLeastArea) continue;
     FigureRegion region;
     region.frame = frame, region.area = s[cv::CC_STAT_AREA];
-    centroid.emplace_back(centres.at<double>(i, 0), centres.at<double>(i, 1));
+    region.centre = {centres.at<double>(i, 0), centres.at<double>(i, 1)};
     region.box = {s[cv::CC_STAT_LEFT], s[cv::CC_STAT_TOP], s[cv::CC_STAT_WIDTH], s[cv::CC_STAT_HEIGHT]};
     found.regions.push_back(region);
   }
-  std::vector<double> nearest(found.regions.size(), std::numeric_limits<double>::max());
   cv::Mat1b core;
   cv::erode(label, core, cv::Mat(), {-1, -1}, 1, cv::BORDER_CONSTANT, 1);
   cv::Mat1f depth;
@@ -84,8 +81,6 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
         region.border += 1. / kSeenBorder;
       else if (core(y, x) == 0)
         ++region.rim;
-      const double off = cv::norm(cv::Point2d(x, y) - centroid[index]);
-      if (off < nearest[index]) nearest[index] = off, region.centre = cv::Point2d(x, y);
       region.thickness = std::max(region.thickness, 2. * depth(y, x) - 1);
     }
   explain_regions(number, label, level, noise, found.regions);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,8 +17,8 @@ namespace emberfold::pipeline {
 /// A connected region of a frame in which the amplitude exceeds a threshold.
 struct FigureRegion {
   std::size_t frame = 0;
-  int area = 0;        ///< px of the view, as all lengths here
-  cv::Point2d centre;  ///< the pixel nearest to the centroid
+  int area = 0;  ///< px of the view, as all lengths here
+  cv::Point2d centre;
   cv::Rect box;
   double border = 0;  ///< px, its length along the border of frame and mask
   int rim = 0;        ///< pixels of the outline further than 2 px from that
@@ -30,8 +29,6 @@ struct FigureRegion {
   bool is_removed = false;
   std::vector<std::size_t> next, before;  ///< regions of the next frame and the one before that continue it
 
-  /// Returns the diagonal of the box.
-  [[nodiscard]] double extent() const { return std::hypot(box.width, box.height); }
   /// Returns the width of a strip of this area and outline; half of the diameter of a disc.
   [[nodiscard]] double width() const { return 2. * area / std::max(1, rim); }
 };

@@ -9,14 +9,14 @@
 
 namespace emberfold::pipeline {
 
-/// Returns the frames, ascending, that show another picture than the frame before: a cut of the film, the
-/// first of some black frames and the first after them, a flash. Most of the frame has then another level,
-/// and its levels are less than half as like the last frame's (correlation, frames reduced to 64 px) as is
-/// usual in the clip; in clips of fires, flags, smoke and water they are always more than .7. Reads the clip
-/// once, O(pixels). Throws core::Cancelled.
+/// Returns the frames, ascending, at which the picture changes: a cut of the film, black frames and the first
+/// frame after them, a flash. There half of the pixels change by 6 grey levels or more, and the correlation
+/// with the frame before, both reduced to 64 px across, is less than half of the clip's median. Reads the
+/// clip once, O(pixels). Throws core::Cancelled.
 std::vector<int> find_cuts(core::FrameSource& source, const core::Context& context);
 
-/// Gives the probability 0 to events at cuts, or a frame beside one: what a cut ends or begins is no event.
+/// Sets the probability of events within one frame of a cut to 0: strokes that a cut ends or begins are no
+/// events.
 void disbelieve_cuts(std::vector<graph::Event>& events, const std::vector<int>& cuts);
 
 }  // namespace emberfold::pipeline

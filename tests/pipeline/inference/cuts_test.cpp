@@ -55,7 +55,7 @@ TEST_CASE("cuts: things that appear, flickering light, fast motion and noise are
   CHECK(cuts_of([](Point, int) { return 100; }).empty());
 }
 
-TEST_CASE("cuts: events at a cut and a frame beside it have the probability 0") {
+TEST_CASE("cuts: events within one frame of a cut have probability 0") {
   std::vector<graph::Event> events(4);
   const std::array frames{8, 9, 11, 12};
   for (std::size_t k = 0; k < 4; ++k) events[k].frame = frames[k], events[k].probability = 0.9;
