@@ -18,7 +18,7 @@ constexpr double kLeastShare = 0.15;   // of the smaller region's area that over
 constexpr double kLeastNats = 0.6;     // a pixel, that two levels explain more than a plane does
 constexpr double kCorrelated = 2;      // px of an outline that are one observation
 constexpr double kChange = 15;         // nats
-constexpr double kMostAtBorder = 0.6;  // of the sides of its box; more has ground
+constexpr double kMostOfBorder = 0.3;  // of the frame; more has ground
 constexpr double kGround = -1e6;       // nats that ground gains: it is never a figure
 // A figure is wider than a line, or no longer than wide.
 constexpr double kLeastThickness = 12, kSmallThickness = 6;  // px
@@ -77,7 +77,7 @@ class LinkedReading {
   }
 
   /// Removes chains that do not explain the frames.
-  void remove_unexplaining(std::size_t frames) {
+  void remove_unexplaining(std::size_t frames, cv::Size view) {
     Labelling of;
     of.change = kChange;
     std::vector<std::size_t> unit_of(regions_.size(), kNoRegion);
@@ -85,7 +85,7 @@ class LinkedReading {
       if (!begins_chain(i)) continue;
       const auto chain = chain_from(i);
       for (const std::size_t j : chain) unit_of[j] = of.gain.size();
-      of.gain.push_back(gain_of_chain(chain, frames));
+      of.gain.push_back(gain_of_chain(chain, frames, view));
     }
     for (std::size_t i = 0; i < regions_.size(); ++i)
       for (const auto* parts : {&regions_[i].next, &regions_[i].before})
@@ -135,14 +135,15 @@ class LinkedReading {
 
   /// Returns the nats by which a chain explains the frames better than nothing does, less its free ends
   /// inside the clip.
-  [[nodiscard]] double gain_of_chain(const std::vector<std::size_t>& chain, std::size_t frames) const {
+  [[nodiscard]] double gain_of_chain(const std::vector<std::size_t>& chain, std::size_t frames,
+                                     cv::Size view) const {
     const FigureRegion &first = regions_[chain.front()], &last = regions_[chain.back()];
-    double gain = 0, sides = 0, border = 0;
+    double gain = 0, border = 0;
     for (const std::size_t j : chain) {
-      sides += 2 * (regions_[j].box.width + regions_[j].box.height), border += regions_[j].border;
+      border += regions_[j].border;
       gain += regions_[j].rim / kCorrelated * gain_of(regions_[j]);
     }
-    if (border >= kMostAtBorder * sides) return kGround;
+    if (border >= kMostOfBorder * 2 * (view.width + view.height) * double(chain.size())) return kGround;
     if (first.before.empty() && first.frame > 0 && first.border == 0) gain -= kChange;
     if (last.next.empty() && last.frame + 1 < frames && last.border == 0) gain -= kChange;
     return gain;
@@ -197,7 +198,7 @@ void link_figure_regions(FigureRegions& all, const FigureGround& ground, const c
   for (std::size_t r = 0; r < kFigureReadings; ++r) {
     LinkedReading linked(all.readings[r].regions);
     for (const auto& gap : links) linked.add(gap[r]);
-    linked.remove_unexplaining(frames);
+    linked.remove_unexplaining(frames, ground.view.size);
     context.check();
     const std::size_t of = r - r % kFigureThresholds.size();
     if (r == of)

@@ -170,6 +170,18 @@ TEST_CASE("where bright stripes part and dark ones join the bright ones do") {
   CHECK(distance(events[0].position, {80, 56}) < 10);
 }
 
+TEST_CASE("ground that discs cut off from half of the border is no figure, half discs there are") {
+  const std::vector<Point> centres{{80, 60}, {0, 30},  {0, 90},   {159, 30}, {159, 90},
+                                   {40, 0},  {120, 0}, {40, 119}, {120, 119}};
+  const auto clip = film([&](Point p, int) {
+    double cover = 0;
+    for (const Point c : centres) cover = std::max(cover, disc(p, c, 16));
+    return levels(cover, false);
+  });
+  for (const auto& graph : figures_of(clip).motion.sketch.frames)
+    CHECK(graph::components(graph).count == centres.size());
+}
+
 TEST_CASE("a figure of two frames is born and dies") {
   const auto clip = film([](Point p, int t) {
     const double brief = t == 20 || t == 21 ? disc(p, {110, 60}, 14) : 0;
