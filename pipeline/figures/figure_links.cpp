@@ -20,10 +20,11 @@ constexpr double kCorrelated = 2;      // px of an outline that are one observat
 constexpr double kChange = 15;         // nats
 constexpr double kMostOfBorder = 0.3;  // of the frame; more has ground
 constexpr double kGround = -1e6;       // nats that ground gains: it is never a figure
-// A figure is wider than a line, or no longer than wide.
-constexpr double kLeastThickness = 12, kSmallThickness = 6;  // px
-constexpr double kLongest = 2.5;                             // squares of its thickness
-constexpr double kLeastFigure = 1. / 6;                      // of a region, in a figure of threshold 0
+// A figure is wider than a line, somewhere and in most places, or no longer than wide.
+constexpr double kLeastThickness = 12;   // px
+constexpr double kLeastWide = 0.5;       // of a family's area
+constexpr double kLongest = 2.5;         // squares of its thickness
+constexpr double kLeastFigure = 1. / 6;  // of a region, in a figure of threshold 0
 
 using Link = std::pair<std::size_t, std::size_t>;  // a region, one of the next frame
 using Weights = std::map<Link, double>;            // pixels that overlap
@@ -154,20 +155,25 @@ class LinkedReading {
 
 /// Says which regions of threshold 0 are figures.
 void find_figures(std::vector<FigureRegion>& regions) {
-  const auto family = LinkedReading(regions).families();
-  std::vector<double> thickness(regions.size(), 0), length(regions.size(), 0);
+  struct Family {
+    double thickness = 0, length = 0, area = 0, wide = 0;
+    [[nodiscard]] bool is_figure() const {
+      return thickness >= kLeastThickness ? wide >= kLeastWide * area
+                                          : thickness >= kWideDisc && length < kLongest;
+    }
+  };
+  const auto family_of = LinkedReading(regions).families();
+  std::vector<Family> families(regions.size());
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const FigureRegion& region = regions[i];
     if (region.is_removed) continue;
-    thickness[family[i]] = std::max(thickness[family[i]], region.thickness);
-    length[family[i]] = std::max(length[family[i]], region.area / (region.thickness * region.thickness));
+    Family& family = families[family_of[i]];
+    family.thickness = std::max(family.thickness, region.thickness);
+    family.length = std::max(family.length, region.area / (region.thickness * region.thickness));
+    family.area += region.area, family.wide += region.wide;
   }
-  for (std::size_t i = 0; i < regions.size(); ++i) {
-    const double thick = thickness[family[i]];
-    regions[i].is_figure =
-        !regions[i].is_removed &&
-        (thick >= kLeastThickness || (thick >= kSmallThickness && length[family[i]] < kLongest));
-  }
+  for (std::size_t i = 0; i < regions.size(); ++i)
+    regions[i].is_figure = !regions[i].is_removed && families[family_of[i]].is_figure();
 }
 
 /// Calls figures the regions of reading r that the figures of reading `of` share.

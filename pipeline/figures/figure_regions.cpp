@@ -69,6 +69,9 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
   cv::erode(label, core, cv::Mat(), {-1, -1}, 1, cv::BORDER_CONSTANT, 1);
   cv::Mat1f depth;
   cv::distanceTransform(label, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  constexpr double kInside = (kWideDisc + 1) / 2;  // depth of a disc's centre
+  cv::Mat1f to_centre;
+  cv::distanceTransform(cv::Mat(depth < kInside), to_centre, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (int y = 0; y < label.rows; ++y)
     for (int x = 0; x < label.cols; ++x) {
       int& n = number(y, x);
@@ -82,6 +85,7 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
       else if (core(y, x) == 0)
         ++region.rim;
       region.thickness = std::max(region.thickness, 2. * depth(y, x) - 1);
+      if (to_centre(y, x) < kInside) ++region.wide;
     }
   explain_regions(number, label, level, noise, found.regions);
   return found;

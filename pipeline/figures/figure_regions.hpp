@@ -25,6 +25,7 @@ struct FigureRegion {
   /// Sums of squares, (grey levels)², that a plane and that two levels leave within 8 px of the region.
   double plane = 0, figure = 0;
   double thickness = 0;  ///< diameter of the largest disc inside
+  int wide = 0;          ///< pixels that discs of kWideDisc inside cover
   bool is_figure = false;
   bool is_removed = false;
   std::vector<std::size_t> next, before;  ///< regions of the next frame and the one before that continue it
@@ -41,6 +42,8 @@ struct FigureReading {
   std::vector<std::vector<std::size_t>> of_component;
 };
 inline constexpr std::size_t kNoRegion = ~std::size_t{0};
+
+inline constexpr double kWideDisc = 6;  ///< px, a diameter: what no such disc fits into is a line
 
 /// Thresholds of the amplitude. A change that is seen at all of them is sure.
 inline constexpr std::array<double, 3> kFigureThresholds = {0, -0.3, 0.3};

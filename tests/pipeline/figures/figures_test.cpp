@@ -182,6 +182,22 @@ TEST_CASE("ground that discs cut off from half of the border is no figure, half 
     CHECK(graph::components(graph).count == centres.size());
 }
 
+TEST_CASE("a drop from which thin lines run is no figure, a drop with a short tail is") {
+  for (const bool long_lines : {true, false}) {
+    const auto clip = film([=](Point p, int) {
+      const double reach = long_lines ? 70 : 13;
+      double cover = disc(p, {80, 60}, 9);
+      for (const double y : {57., 60., 63.})  // spread from the drop
+        if (const double x = std::abs(p.x - 80); x < reach)
+          cover = std::max(cover, reached(2.5 - std::abs(p.y - y - (y - 60) * x / 6), 1));
+      return levels(cover, true);
+    });
+    bool any = false;
+    for (const auto& graph : figures_of(clip).motion.sketch.frames) any |= !graph.empty();
+    CHECK(any != long_lines);
+  }
+}
+
 TEST_CASE("a figure of two frames is born and dies") {
   const auto clip = film([](Point p, int t) {
     const double brief = t == 20 || t == 21 ? disc(p, {110, 60}, 14) : 0;
