@@ -21,9 +21,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(FillOptions, tolerance, max_iter
 }  // namespace emberfold::sketch
 
 namespace emberfold::graph {
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(MatchOptions, max_motion, sigma_across, sigma_along,
-                                                sigma_angle, sigma_contrast, sigma_count, sigma_shape,
-                                                sigma_degree, flicker)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(MatchOptions, max_motion, flicker)
 }  // namespace emberfold::graph
 
 namespace emberfold::mcmc {

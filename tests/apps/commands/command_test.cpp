@@ -309,7 +309,7 @@ TEST_CASE("help lists what --set takes, with defaults and ranges, and the option
   const auto all = run_command({"help", "options"});
   CHECK(all.exit == 0);
   for (const char* name :
-       {"sketch.spacing", "match.sigma_across", "starts.chains", "infer.sweeps", "calibrate.calibrate",
+       {"sketch.spacing", "match.max_motion", "starts.chains", "infer.sweeps", "calibrate.calibrate",
         "fill.tolerance", "learn.components", "compare.steps", "synth.births", "quilt.overlap",
         "control.jitter", "em.iterations", "score.radius"})
     CHECK(contains(all.out, std::string("\n  ") + name + " "));
