@@ -14,9 +14,8 @@
 
 namespace emberfold::sketch {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ExtractOptions, sensitivity, finest_scale, scales,
-                                                significance, hysteresis, min_contrast, min_length,
-                                                min_evidence, spacing, steady, edges, outlines, boundaries,
-                                                colour, blobs, budget, tile)
+                                                min_contrast, min_length, spacing, steady, edges, outlines,
+                                                boundaries, colour, budget, tile)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(FillOptions, tolerance, max_iterations)
 }  // namespace emberfold::sketch
 
