@@ -23,7 +23,6 @@
 #include "pipeline/comparison/prediction.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/sharpening.hpp"
 
 namespace emberfold::pipeline {
@@ -37,7 +36,6 @@ constexpr int kMostSynthesized = 1'000'000;
 struct CompareOptions {
   sketch::ExtractOptions sketch = kSteadySketch;
   graph::MatchOptions match;
-  sketch::FillOptions fill;
   dytex::LearnOptions
       learn;  ///< at most a third of the frames as components: more would overfit a short clip
   double learn_share = 0.5;

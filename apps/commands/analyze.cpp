@@ -143,7 +143,6 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
   check_options(options.match, "match");
   check_options(options.starts, "starts");
   check_options(options.infer, "infer");
-  check_options(options.fill, "fill");
   check_options(options.calibrate, "calibrate");
   return options;
 }
@@ -183,7 +182,6 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
   settings->add("starts", options.starts);
   settings->add("infer", options.infer);
   settings->add("calibrate", options.calibrate);
-  settings->add("fill", options.fill);
 }
 
 void add_analyze(CLI::App& app, CommandLine& line) {

@@ -29,7 +29,6 @@ Json options_of(const Compare& asked, const io::ReadOptions& read) {
                   {"strokes", asked.options.strokes}};
   if (!asked.other.empty()) return options;
   options["comparison"] = options_json(asked.options);
-  options["fill"] = options_json(asked.options.fill);
   options["learn"] = options_json(asked.options.learn);
   return options;
 }
@@ -39,7 +38,6 @@ void run_compare(const Compare& asked, Session& session) {
   check_options(asked.options, "compare");
   check_options(asked.options.sketch, "sketch");
   check_options(asked.options.match, "match");
-  check_options(asked.options.fill, "fill");
   check_options(asked.options.learn, "learn");
   require_apart(
       {asked.reading.clip, asked.other, asked.reading.options.mask}, asked.output,
@@ -101,7 +99,6 @@ void add_compare(CLI::App& app, CommandLine& line) {
   settings->add("compare", options);
   settings->add("sketch", options.sketch);
   settings->add("match", options.match);
-  settings->add("fill", options.fill);
   settings->add("learn", options.learn);
   finish_command(*command, line, asked, run_compare);
 }

@@ -167,7 +167,6 @@ void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, A
   pipeline::CompareOptions compare;
   compare.sketch = options.sketch;
   compare.match = options.match;
-  compare.fill = options.fill;
   compare.learn = learn_options(analysis);
   // Two models only; 'emberfold compare' shows the others, which would double the time.
   compare.hybrid = compare.star = compare.strokes = false;

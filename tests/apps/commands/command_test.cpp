@@ -235,7 +235,6 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   refused({"--set", "sketch.scales=0"}, {"sketch.scales", "0", "1"});
   refused({"--set", "sketch.scales=2.5"}, {"sketch.scales", "2.5", "whole"});
   refused({"--set", "sketch.spacing=five"}, {"sketch.spacing", "five", "number"});
-  refused({"--set", "fill.tolerance=0"}, {"fill.tolerance", "0"});
   refused({"--scale", "nan"}, {"--scale", "nan", "16"});
   refused({"--scale", "0"}, {"--scale", "0", "16"});
   refused({"--range", "5:3"}, {"--range", "5:3"});
@@ -245,10 +244,10 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   refused({"--seed", "-1"}, {"--seed", "-1"});
   refused({"--min-contrats", "3"}, {"--min-contrats", "--set sketch.min_contrast=VALUE"});
   refused({"--min-contrast", "3"}, {"--min-contrast", "--set sketch.min_contrast=VALUE"});
-  refused({"--set", "sketch.edges=maybe"}, {"sketch.edges", "maybe", "true"});
-  refused({"--set", "sketsh.edges=true"}, {"'sketsh'", "sketch", "fill", "did you mean sketch?"});
+  refused({"--set", "sketch.steady=maybe"}, {"sketch.steady", "maybe", "true"});
+  refused({"--set", "sketsh.steady=true"}, {"'sketsh'", "sketch", "did you mean sketch?"});
   refused({"--set", "sketch.min_contrats=1"}, {"'min_contrats'", "did you mean min_contrast?"});
-  for (const char* odd : {"", "=", "sketch", "sketch.edges", "edges=true", "."})
+  for (const char* odd : {"", "=", "sketch", "sketch.steady", "steady=true", "."})
     refused({"--set", odd}, {"--set"});
   refused({"surplus"}, {"surplus"});
   check_refused({"analyze", clip, "-o", out.string(), "--set", "match.max_motion=0"}, 2,
@@ -308,10 +307,9 @@ TEST_CASE("the help of every command fits on one screen") {
 TEST_CASE("help lists what --set takes, with defaults and ranges, and the options of reading") {
   const auto all = run_command({"help", "options"});
   CHECK(all.exit == 0);
-  for (const char* name :
-       {"sketch.spacing", "match.max_motion", "starts.chains", "infer.sweeps", "calibrate.calibrate",
-        "fill.tolerance", "learn.components", "compare.steps", "synth.births", "quilt.overlap",
-        "control.jitter", "em.iterations", "score.radius"})
+  for (const char* name : {"sketch.spacing", "match.max_motion", "starts.chains", "infer.sweeps",
+                           "calibrate.calibrate", "learn.components", "compare.steps", "synth.births",
+                           "quilt.overlap", "control.jitter", "em.iterations", "score.radius"})
     CHECK(contains(all.out, std::string("\n  ") + name + " "));
   const auto own = run_command({"help", "options", "dytex", "learn"});
   CHECK(contains(own.out, "learn.memory"));
