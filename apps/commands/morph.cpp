@@ -259,7 +259,6 @@ void add_morph(CLI::App& app, CommandLine& line) {
   add_reading_options(*command, asked->words, asked->read, false);
   add_sketch_options(*command, asked->extract);
   const auto settings = add_settings(*command, line);
-  settings->add("morph", asked->morph);
   settings->add("sketch", asked->extract);
   finish_command(*command, line, asked, run_morph);
 }
