@@ -25,8 +25,7 @@ struct Compare {
 Json options_of(const Compare& asked, const io::ReadOptions& read) {
   Json options = {{"reading", reading_json(read)},
                   {"sketch", options_json(asked.options.sketch)},
-                  {"match", options_json(asked.options.match)},
-                  {"strokes", asked.options.strokes}};
+                  {"match", options_json(asked.options.match)}};
   if (!asked.other.empty()) return options;
   options["comparison"] = options_json(asked.options);
   options["learn"] = options_json(asked.options.learn);
