@@ -98,7 +98,7 @@ void ExtractOptions::validate() const {
   core::check_fields("ExtractOptions", *this);
   if (boundaries && !edges)
     throw core::InputError(
-        "ExtractOptions.boundaries is true; allowed is false without edges, as which boundaries are drawn");
+        "ExtractOptions.boundaries is true; allowed is false where no steps are drawn, as boundaries are");
 }
 
 double estimate_noise(const cv::Mat& luma) {

@@ -167,7 +167,8 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
   add_number(command, "--least-probability", options.least_probability, "P",
              "Report events of this probability or more; 0.5 if not given")
       ->default_str("");  // the column of names would be too wide
-  add_sketch_options(command, options.sketch);
+  const auto settings = add_settings(command, line);
+  add_sketch_options(command, *settings, options.sketch);
   command.add_flag_callback(
       "--no-jsonl", [&options] { options.jsonl = false; },
       "Leave out the graphs as text, motion.jsonl and sketch.jsonl");
@@ -176,8 +177,6 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
                    "Write reconstruction.avi too, and measure the PSNR of every frame");
   add_number(command, "--texture", options.texture, "N",
              "Learn N components of what lies between strokes (synth --fill dytex)");
-  const auto settings = add_settings(command, line);
-  settings->add("sketch", options.sketch);
   settings->add("match", options.match);
   settings->add("starts", options.starts);
   settings->add("infer", options.infer);

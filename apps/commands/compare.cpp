@@ -93,10 +93,9 @@ void add_compare(CLI::App& app, CommandLine& line) {
   auto& options = asked->options;
   add_number(*command, "--frames", options.frames, "N",
              "Draw this many frames from each model; 0: as many as the clip has");
-  add_sketch_options(*command, options.sketch);
   const auto settings = add_settings(*command, line);
-  settings->add("compare", options);
-  settings->add("sketch", options.sketch);
+  settings->add("compare", options, {"frames"});
+  add_sketch_options(*command, *settings, options.sketch);
   settings->add("match", options.match);
   settings->add("learn", options.learn);
   finish_command(*command, line, asked, run_compare);

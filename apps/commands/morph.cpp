@@ -257,9 +257,7 @@ void add_morph(CLI::App& app, CommandLine& line) {
   add_number(*command, "--to", asked->until, "FRAME", "Frame of B");
   add_number(*command, "--frames", asked->morph.frames, "N", "Draw this many frames, both ends included");
   add_reading_options(*command, asked->words, asked->read, false);
-  add_sketch_options(*command, asked->extract);
-  const auto settings = add_settings(*command, line);
-  settings->add("sketch", asked->extract);
+  add_sketch_options(*command, *add_settings(*command, line), asked->extract);
   finish_command(*command, line, asked, run_morph);
 }
 

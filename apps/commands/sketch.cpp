@@ -236,13 +236,12 @@ void add_sketch(CLI::App& app, CommandLine& line) {
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
   add_drawing(*command, *asked);
-  add_sketch_options(*command, asked->request.extract);
+  const auto settings = add_settings(*command, line);
+  add_sketch_options(*command, *settings, asked->request.extract);
   command
       ->add_option("--evidence", asked->evidence,
                    "Draw along these curves: image or clip of their probability, white = 1")
       ->type_name("FILE");
-  const auto settings = add_settings(*command, line);
-  settings->add("sketch", asked->request.extract);
   finish_command(*command, line, asked, run_sketch, [asked, command, settings] {
     asked->own_budget = settings->is_given("sketch.budget");
     asked->own_regions = command->count("--regions") > 0;

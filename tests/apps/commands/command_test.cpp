@@ -258,7 +258,7 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   check_refused({"analyse", clip}, 2, {"analyse", "analyze"});
   check_refused({"frobnicate"}, 2, {"frobnicate"});
   check_refused({"--verson"}, 2, {"--verson", "--version"});
-  check_refused({"score", "a", "b", "--set", "score.radius=-1"}, 2, {"score.radius", "-1"});
+  check_refused({"score", "a", "b", "--radius", "-1"}, 2, {"--radius", "-1"});
   check_refused({"score", "a", "b", "--frames", "nan"}, 2, {"--frames", "not finite"});
 }
 
@@ -307,12 +307,14 @@ TEST_CASE("the help of every command fits on one screen") {
 TEST_CASE("help lists what --set takes, with defaults and ranges, and the options of reading") {
   const auto all = run_command({"help", "options"});
   CHECK(all.exit == 0);
-  for (const char* name : {"sketch.spacing", "match.max_motion", "starts.chains", "infer.sweeps",
-                           "calibrate.calibrate", "learn.components", "compare.steps", "synth.births",
-                           "quilt.overlap", "control.jitter", "em.iterations", "score.radius"})
+  for (const char* name :
+       {"sketch.spacing", "match.max_motion", "starts.chains", "infer.sweeps", "calibrate.calibrate",
+        "learn.components", "compare.steps", "synth.births", "quilt.overlap", "control.jitter"})
     CHECK(contains(all.out, std::string("\n  ") + name + " "));
+  for (const char* own : {"sketch.sensitivity", "sketch.edges", "compare.frames", "score.frames"})
+    CHECK_FALSE(contains(all.out, own));
   const auto own = run_command({"help", "options", "dytex", "learn"});
-  CHECK(contains(own.out, "learn.memory"));
+  CHECK(contains(own.out, "learn.noise_rank"));
   CHECK_FALSE(contains(own.out, "sketch."));
   // each line's default is what the struct holds, and its range what validate() tells
   std::istringstream lines(run_command({"help", "options", "compare"}).out);
@@ -345,10 +347,11 @@ TEST_CASE("a setting changes what its field changes, and the last of two counts"
   const auto usual = options({});
   auto changed = usual;
   changed["spacing"] = 7.0;
-  changed["edges"] = false;
-  CHECK(options({"--set", "sketch.spacing=6", "--set", "sketch.edges=no", "--set=sketch.spacing=7"}) ==
+  changed["steady"] = false;
+  CHECK(options({"--set", "sketch.spacing=6", "--set", "sketch.steady=no", "--set=sketch.spacing=7"}) ==
         changed);
-  changed["spacing"] = usual["spacing"];
+  changed = usual;
+  changed["edges"] = false;
   CHECK(options({"--no-edges"}) == changed);
 }
 

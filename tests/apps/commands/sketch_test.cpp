@@ -384,8 +384,7 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   refused({"--set", "sketch.budget=1.5"}, {"sketch.budget", "1.5", "1"});
   refused({"--set", "sketch.budget=-0.1"}, {"sketch.budget", "-0.1", "0"});
   refused({"--set", "sketch.budget=nan"}, {"sketch.budget", "not finite"});
-  refused({"--set", "sketch.tile=10"}, {"sketch.tile", "10", "64 to 16384"});
-  refused({"--set", "sketch.boundaries=true", "--no-edges"}, {"sketch.boundaries", "without sketch.edges"});
+  refused({"--set", "sketch.boundaries=true", "--no-edges"}, {"sketch.boundaries", "no steps are drawn"});
   refused({"--anchors", "1.5"}, {"--anchors", "1.5", "0 (none) to 1"});
   refused({"--anchors", "-0.5"}, {"--anchors", "-0.5"});
   refused({"--anchors=nan"}, {"--anchors", "nan"});
