@@ -290,14 +290,14 @@ constexpr int kScalesOfEdges = 2;  // beyond those of lines: edges blurred by up
 // Of the lines and the closed step edges those that explain the image; they are in the scale space given.
 std::vector<Chain> find_explaining_curves(const Searched& frame, const ScaleSpace& space,
                                           const cv::Mat& levels, const ExtractOptions& options) {
-  constexpr double kVisible = 6;        // grey levels: the least difference that people see at mid grey
+  constexpr double kVisibleStep = 6;    // grey levels: the least difference that people see at mid grey
   constexpr double kStillTraced = 0.5;  // of it: an edge may fade for a while
   constexpr double kNoise = 3;          // SD of a gradient; white noise exceeds it at one pixel in 90
   constexpr double kOctaves = 4;        // by which the exchange rate falls from sensitivity 0 to 1
   ExtractOptions of_lines = options;
   of_lines.edges = false;
   std::vector<Chain> lines = find_curves(frame, levels, of_lines, make_limits(of_lines), nullptr);
-  const double less = 0.5 - options.sensitivity, visible = kVisible * std::exp2(2 * less);
+  const double less = 0.5 - options.sensitivity, visible = kVisibleStep * std::exp2(2 * less);
   std::vector<std::vector<Chain>> edges;
   for (std::size_t k = 0; k < space.size(); ++k)
     edges.push_back(trace_edges(space[k], static_cast<int>(k),

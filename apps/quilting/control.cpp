@@ -121,7 +121,7 @@ std::vector<cv::Mat> fields_of(const Named& named, cv::Size size) {
   if (named.text.empty()) return {};
   if (const auto value = parse_one_number(named.text)) return {cv::Mat(size, CV_32F, cv::Scalar(*value))};
   if (named.text.ends_with(".npy")) {
-    const auto planes = array_planes(named.text);
+    auto planes = array_planes(named.text);
     for (const auto& plane : planes) check_size(plane, size, named.text);
     return planes;
   }

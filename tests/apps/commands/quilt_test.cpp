@@ -210,7 +210,7 @@ TEST_CASE("an interrupted quilt keeps its blocks for the same options alone") {
   REQUIRE(stopped.exit == 130);
   CHECK(contains(stopped.err, "--resume goes on"));
   REQUIRE(fs::exists(part));
-  CHECK(Json::parse(bytes_of(part))["blocks"].size() > 0);
+  CHECK_FALSE(Json::parse(bytes_of(part))["blocks"].empty());
   // Other options do not go on from there, nor does a damaged file.
   const auto command =
       joined({"quilt", clip, "-o", (temp / "out").string()}, slow, {"--resume", "--tileable"});

@@ -167,7 +167,7 @@ TEST_CASE("control maps of another size or with NaN are refused") {
   dytex::TimeControl control;
   control.rate = cv::Mat::ones(4, 5, CV_32F);
   const auto refused = [&] { return test::message_of<core::InputError>([&] { control.validate({5, 4}); }); };
-  CHECK(refused() == "");
+  CHECK(refused().empty());
   control.rate.at<float>(2, 3) = std::numeric_limits<float>::quiet_NaN();
   CHECK_THAT(refused(), Contains("rate") && Contains("not a number") && Contains("3,2"));
   control.rate = cv::Mat::ones(4, 6, CV_32F);
