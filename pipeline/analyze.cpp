@@ -34,7 +34,6 @@ void check_two_frames(const std::string& clip, std::int64_t frames) {
 void check_options(const AnalyzeOptions& options) {
   options.sketch.validate();
   options.match.validate();
-  options.fill.validate();
   options.starts.validate();
   options.infer.validate();
   options.calibrate.validate();
@@ -137,13 +136,8 @@ std::optional<RateCorrection> rate_correction(const StartSketches& sketches, con
       graph::match(middle_frames(sketches.clip.sketch), options.match, context.with_progress({}));
   const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
   if (source.patches <= 0 || fitted.model.exemplars.empty()) return std::nullopt;
-  return RateCorrection{options.calibrate.calibrate,
-                        options.seed,
-                        source,
-                        fitted.observed,
-                        options.sketch,
-                        options.match,
-                        options.fill};
+  return RateCorrection{
+      options.calibrate.calibrate, options.seed, source, fitted.observed, options.sketch, options.match};
 }
 
 /// Learns the texture between the strokes into the model. Returns nothing, with a warning, where that fails.
@@ -259,8 +253,8 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
   learned.rates = fitted.events_per_frame;
   learned.notes = std::move(fitted.notes);
   model.motion = std::move(fitted.model);
-  auto residual = measure_residual(source, sketch.frames,
-                                   render_options(model.motion, model.background, options.fill), context);
+  auto residual =
+      measure_residual(source, sketch.frames, render_options(model.motion, model.background), context);
   if (!residual.empty()) model.residual = std::move(residual);
   clock.begin("footage");
   core::return_freed_memory();

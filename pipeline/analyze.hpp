@@ -26,7 +26,6 @@
 #include "pipeline/review/review_calibration.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::pipeline {
 
@@ -34,7 +33,6 @@ namespace emberfold::pipeline {
 struct AnalyzeOptions {
   sketch::ExtractOptions sketch = kSteadySketch;
   graph::MatchOptions match = {};
-  sketch::FillOptions fill = {};
   StartOptions starts = {};
   mcmc::InferOptions infer = {};
   CalibrateOptions calibrate = {};

@@ -61,7 +61,7 @@ dytex::LinearDynamicTexture read_texture(const std::string& folder, const mcmc::
 std::optional<ResidualTexture> residual_of(const core::ModelArchive& archive, const ClipModel& model) {
   auto residual = read_residual(archive, {model.motion.width, model.motion.height});
   if (residual.empty()) return std::nullopt;
-  const auto channels = static_cast<std::size_t>(render_options(model.motion, model.background, {}).channels);
+  const auto channels = static_cast<std::size_t>(render_options(model.motion, model.background).channels);
   if (residual.textures.size() != channels)
     throw core::IoError("motion model: residual_within.npy is of " +
                         std::to_string(residual.textures.size()) + " channels, its frames have " +
@@ -172,7 +172,7 @@ sketch::Sharpening fit_sharpening(const mcmc::MotionModel& model, const sketch::
                                   double wanted, std::uint64_t seed, const core::Context& context) {
   constexpr std::size_t frames = 60, least = 3, most = 10;  // of which some are examined
   constexpr double pixels = 2.5e6;                          // of the examined frames together
-  const sketch::RenderOptions look = render_options(model, background, {});
+  const sketch::RenderOptions look = render_options(model, background);
   auto all = FrameSynthesis(mcmc::Synthesis(model, seed), look).parts(frames, context);
   const auto every = frames / std::clamp(static_cast<std::size_t>(pixels / look.size.area()), least, most);
   std::vector<sketch::FrameContent> some;

@@ -16,7 +16,6 @@ ModelFill chosen_fill(const ClipModel& model, const ClipSynthesisOptions& option
 
 void check(const ClipModel& model, const ClipSynthesisOptions& options) {
   core::check_range("ClipSynthesisOptions.speed", options.speed, -100, 100);
-  options.fill.validate();
   const auto fill = chosen_fill(model, options);
   if ((fill == ModelFill::footage || fill == ModelFill::carried) && !model.footage)
     throw core::InputError("the model holds no frames of its clip");
@@ -34,8 +33,7 @@ void check(const ClipModel& model, const ClipSynthesisOptions& options) {
 
 FrameSynthesis begin_strokes(const std::shared_ptr<const ClipModel>& model, ModelFill fill,
                              const ClipSynthesisOptions& options) {
-  auto look = sketch::apply_sharpening(render_options(model->motion, model->background, options.fill),
-                                       model->sharpening);
+  auto look = sketch::apply_sharpening(render_options(model->motion, model->background), model->sharpening);
   if (fill == ModelFill::dytex) {
     const std::shared_ptr<const dytex::LinearDynamicTexture> texture(model, &*model->texture);
     return hybrid_frames(model->motion, texture, std::move(look), options.seed, options.start);

@@ -18,7 +18,6 @@
 #include "pipeline/clip_model.hpp"
 #include "pipeline/footage/footage_synthesis.hpp"
 #include "pipeline/frame_synthesis.hpp"
-#include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::pipeline {
 
@@ -30,7 +29,6 @@ struct ClipSynthesisOptions {
   double speed = 1;  ///< speed of the footage or the residual, −100…100, not 0; below 0 backwards
   mcmc::MotionEdit edit = {};    ///< of ModelFill::carried alone; otherwise edit the model (edit_model)
   std::optional<int> loop = {};  ///< for footage and carried: frames until the clip repeats, ≥ 2
-  sketch::FillOptions fill = {};
 };
 
 /// Draws an endless number of new frames of a clip's model: CV_8U, with the model's size and rate.

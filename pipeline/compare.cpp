@@ -64,7 +64,7 @@ void pass_on(const CompareObserver& observer, int first, std::span<const cv::Mat
   observer.take(first, clips);
 }
 
-void measure_pair(ClipPair& pair, bool with_psnr, bool with_strokes, const core::Context& context,
+void measure_pair(ClipPair& pair, bool with_psnr, const core::Context& context,
                   const CompareObserver& observer) {
   const int most = std::max(pair.frames_a, pair.frames_b);
   pair.a.rewind(), pair.b.rewind();
@@ -73,10 +73,8 @@ void measure_pair(ClipPair& pair, bool with_psnr, bool with_strokes, const core:
     const auto a = next_levels(pair.a, kBatch, context), b = next_levels(pair.b, kBatch, context);
     add_luma(a, pair.measures_a, pair.pictures_a, context);
     add_luma(b, pair.measures_b, pair.pictures_b, context);
-    if (with_strokes) {
-      pair.strokes_a.add(a, context);
-      pair.strokes_b.add(b, context);
-    }
+    pair.strokes_a.add(a, context);
+    pair.strokes_b.add(b, context);
     for (std::size_t i = 0; with_psnr && i < std::min(a.size(), b.size()); ++i) {
       pair.square_error += dytex::mean_square_error(a[i], b[i]);
       pair.similarity += dytex::structural_similarity(core::luma(a[i]), core::luma(b[i]));
@@ -127,21 +125,17 @@ ClipComparison compare(core::FrameSource& a, core::FrameSource& b, const Compare
         {{"a", "the first clip", info_a, out.frames_a}, {"b", "the other clip", info_b, out.frames_b}}};
     observer.begin(clips);
   }
-  measure_pair(pair, with_psnr, options.strokes, context, observer);
+  measure_pair(pair, with_psnr, context, observer);
 
-  std::optional<mcmc::StrokeSeries> series;
-  OptionalStrokes strokes_a, strokes_b;
-  if (options.strokes) {
-    series = pair.strokes_a.series(context);
-    strokes_a = mcmc::stroke_statistics(*series);
-    strokes_b = mcmc::stroke_statistics(pair.strokes_b.series(context));
-  }
+  const mcmc::StrokeSeries series = pair.strokes_a.series(context);
+  const OptionalStrokes strokes_a = mcmc::stroke_statistics(series);
+  const OptionalStrokes strokes_b = mcmc::stroke_statistics(pair.strokes_b.series(context));
   out.a = clip_profile(pair.measures_a.all, strokes_a);
   out.b = clip_profile(pair.measures_b, strokes_b);
   out.distances = clip_distances(pair.measures_b, strokes_b, pair.measures_a.all, strokes_a);
   out.distances.visible =
       VisibleMeasures(std::move(pair.pictures_a), context).measure(std::move(pair.pictures_b), context);
-  out.noise_floor = noise_floor(pair.measures_a, series ? &*series : nullptr);
+  out.noise_floor = noise_floor(pair.measures_a, &series);
   if (with_psnr) {
     out.psnr = dytex::psnr(pair.square_error / out.frames_a);
     out.ssim = pair.similarity / out.frames_a;

@@ -23,7 +23,6 @@
 #include "pipeline/comparison/prediction.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/sharpening.hpp"
 
 namespace emberfold::pipeline {
@@ -37,16 +36,14 @@ constexpr int kMostSynthesized = 1'000'000;
 struct CompareOptions {
   sketch::ExtractOptions sketch = kSteadySketch;
   graph::MatchOptions match;
-  sketch::FillOptions fill;
   dytex::LearnOptions
       learn;  ///< at most a third of the frames as components: more would overfit a short clip
   double learn_share = 0.5;
   int steps = 8;
   int frames = 0;
-  bool hybrid = true;
-  bool star = true;
   bool curve = false;
-  bool strokes = true;
+  /// The hybrid and the STAR model too, and strokes of the drawn clips, which takes twice as long.
+  bool in_full = true;
 
   /// Returns the fields' descriptions for checks, help and docstrings.
   static auto fields() {
@@ -58,11 +55,6 @@ struct CompareOptions {
         {"frames", &CompareOptions::frames, "N",
          between(kFewestFrames, kMostSynthesized, "the number that the source has"),
          "Draw this many frames from each model"},
-        {"hybrid", &CompareOptions::hybrid, "", kOnOff,
-         "Include the hybrid of motion model and linear dynamic texture"},
-        {"star", &CompareOptions::star, "", kOnOff, "Include the spatio-temporal auto-regression"},
-        {"strokes", &CompareOptions::strokes, "", kOnOff,
-         "Find strokes in the drawn clips (doubles the time)"},
         {"curve", &CompareOptions::curve, "", kOnOff,
          "Measure quality against the number of parameters, of models of many sizes"},
     });

@@ -28,9 +28,8 @@ bool is_grey(const graph::AttributeGraph& graph) {
 
 }  // namespace
 
-sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground,
-                                     const sketch::FillOptions& fill) {
-  sketch::RenderOptions look{{model.width, model.height}, std::max(1, ground.levels.channels()), 0, fill, {}};
+sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground) {
+  sketch::RenderOptions look{{model.width, model.height}, std::max(1, ground.levels.channels())};
   look.background = std::move(ground);
   double sum = 0, count = 0;
   const auto look_at = [&](const graph::AttributeGraph& graph) {

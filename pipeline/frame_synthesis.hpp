@@ -24,8 +24,7 @@ namespace emberfold::pipeline {
 /// Returns the options for drawing a model's graphs.
 /// They have the model's size, one channel where all its levels are grey, its background, and the mean of its
 /// strokes' sides where a frame has neither strokes nor background.
-sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground,
-                                     const sketch::FillOptions& fill);
+sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground);
 
 /// Holds statistics of a clip drawn from a model.
 struct SynthesisStatistics {

@@ -14,16 +14,12 @@
 
 namespace emberfold::sketch {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ExtractOptions, sensitivity, finest_scale, scales,
-                                                significance, hysteresis, min_contrast, min_length,
-                                                min_evidence, spacing, steady, edges, outlines, boundaries,
-                                                colour, blobs, budget, tile)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(FillOptions, tolerance, max_iterations)
+                                                min_contrast, min_length, spacing, steady, edges, outlines,
+                                                boundaries, colour, budget, tile)
 }  // namespace emberfold::sketch
 
 namespace emberfold::graph {
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(MatchOptions, max_motion, sigma_across, sigma_along,
-                                                sigma_angle, sigma_contrast, sigma_count, sigma_shape,
-                                                sigma_degree, flicker)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(MatchOptions, max_motion, flicker)
 }  // namespace emberfold::graph
 
 namespace emberfold::mcmc {
@@ -42,8 +38,7 @@ void add_rate_correction(core::ModelArchive& archive, const RateCorrection& corr
   auto text = nlohmann::ordered_json::parse(archive.text);
   nlohmann::json made = {{"rounds", correction.rounds}, {"seed", correction.seed},
                          {"source", correction.source}, {"observed", correction.observed},
-                         {"sketch", correction.sketch}, {"match", correction.match},
-                         {"fill", correction.fill}};
+                         {"sketch", correction.sketch}, {"match", correction.match}};
   text[kName] = std::move(made);
   archive.text = text.dump(1) + "\n";
 }
@@ -54,10 +49,9 @@ std::optional<RateCorrection> read_rate_correction(const core::ModelArchive& arc
   if (found == text.end()) return std::nullopt;
   try {
     RateCorrection correction{found->at("rounds"),   found->at("seed"),   found->at("source"),
-                              found->at("observed"), found->at("sketch"), found->at("match"),
-                              found->at("fill")};
+                              found->at("observed"), found->at("sketch"), found->at("match")};
     CalibrateOptions{correction.rounds}.validate();
-    correction.sketch.validate(), correction.match.validate(), correction.fill.validate();
+    correction.sketch.validate(), correction.match.validate();
     return correction;
   } catch (const nlohmann::json::exception&) {
     throw core::IoError("motion model: \"correction\" in model.json lacks numbers");
@@ -70,7 +64,7 @@ std::vector<mcmc::EventStatistics> correct_rates(ClipModel& model, const core::C
   if (!model.correction) return {};
   const RateCorrection& task = *model.correction;
   const auto look =
-      sketch::apply_sharpening(render_options(model.motion, model.background, task.fill), model.sharpening);
+      sketch::apply_sharpening(render_options(model.motion, model.background), model.sharpening);
   mcmc::FitResult fitted;
   fitted.model = model.motion, fitted.observed = task.observed;
   auto seen =

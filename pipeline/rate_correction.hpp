@@ -10,7 +10,6 @@
 #include "graph/matching/match.hpp"
 #include "mcmc/simulation/event_statistics.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::pipeline {
 
@@ -26,7 +25,6 @@ struct RateCorrection {
   mcmc::EventStatistics observed;  ///< those to which the rates are balanced (mcmc::FitResult)
   sketch::ExtractOptions sketch;
   graph::MatchOptions match;
-  sketch::FillOptions fill;
 };
 
 /// Adds a correction to a motion model's archive, in model.json under "correction".

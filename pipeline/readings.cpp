@@ -18,24 +18,11 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr std::uint32_t kNoiseStream = 0x73746172;  // separate from all other draws with the seed
+constexpr double kCopyNoise = 2;                    // levels: SD, in luma, of the noise of copies
 
 std::size_t copies(const std::vector<StartReading>& readings) {
   return static_cast<std::size_t>(
       std::ranges::count_if(readings, [](const auto& r) { return r.copy.has_value(); }));
-}
-
-cv::Mat perturbed(const cv::Mat& levels, double sd, std::uint64_t seed, std::uint32_t copy,
-                  std::uint32_t frame) {
-  cv::Mat result = levels.clone();
-  const int channels = result.channels();
-  // Luma is a sum of independent channels with weights 0.299, 0.587 and 0.114.
-  const double scale = channels == 1 ? sd : sd / std::sqrt(0.299 * 0.299 + 0.587 * 0.587 + 0.114 * 0.114);
-  core::Rng rng(seed, {kNoiseStream, copy, frame});
-  for (int y = 0; y < result.rows; ++y) {
-    auto* row = result.ptr<float>(y);
-    for (int x = 0; x < result.cols * channels; ++x) row[x] += static_cast<float>(scale * rng.normal());
-  }
-  return result;
 }
 
 }  // namespace
@@ -50,6 +37,20 @@ std::vector<StartReading> readings(const StartOptions& options) {
   std::size_t copy = 0;
   for (int k = 0; k < options.chains; ++k) {
     result.push_back({k % 4 < 2 ? std::nullopt : std::optional(copy++), k % 2 == 1});
+  }
+  return result;
+}
+
+cv::Mat add_noise(const cv::Mat& levels, double sd, std::uint64_t seed, std::uint32_t copy,
+                  std::uint32_t frame) {
+  cv::Mat result = levels.clone();
+  const int channels = result.channels();
+  // Luma is a sum of independent channels with weights 0.299, 0.587 and 0.114.
+  const double scale = channels == 1 ? sd : sd / std::sqrt(0.299 * 0.299 + 0.587 * 0.587 + 0.114 * 0.114);
+  core::Rng rng(seed, {kNoiseStream, copy, frame});
+  for (int y = 0; y < result.rows; ++y) {
+    auto* row = result.ptr<float>(y);
+    for (int x = 0; x < result.cols * channels; ++x) row[x] += static_cast<float>(scale * rng.normal());
   }
   return result;
 }
@@ -72,7 +73,7 @@ StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOpti
       [&](int t, const cv::Mat& levels) {
         std::vector<FrameReading> made{{levels, sketch::extract(levels, extract)}};
         for (std::uint32_t copy = 0; copy < count; ++copy) {
-          cv::Mat noisy = perturbed(levels, options.perturb, seed, copy, static_cast<std::uint32_t>(t));
+          cv::Mat noisy = add_noise(levels, kCopyNoise, seed, copy, static_cast<std::uint32_t>(t));
           made.push_back({noisy, sketch::extract(noisy, extract)});
         }
         return made;

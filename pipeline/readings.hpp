@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/option_field.hpp"
@@ -20,7 +22,6 @@ namespace emberfold::pipeline {
 /// Holds the number of interpretations of the clip from which a sampler's chains start.
 struct StartOptions {
   int chains = 3;  ///< with an odd number no share is exactly one half
-  double perturb = 2;
 
   /// Returns the fields' descriptions for checks, help and docstrings.
   static auto fields() {
@@ -28,8 +29,6 @@ struct StartOptions {
     return std::to_array<core::OptionField<StartOptions>>({
         {"chains", &StartOptions::chains, "N", between(1, 64),
          "Number of sampler chains, started from the clip forwards, backwards, with noise"},
-        {"perturb", &StartOptions::perturb, "LEVELS", between(0, 64),
-         "SD, in luma, of the noise that is added to the clip for some chains"},
     });
   }
   /// Throws core::InputError naming field, value and range.
@@ -46,6 +45,11 @@ struct StartReading {
 /// itself.
 std::vector<StartReading> readings(const StartOptions& options);
 
+/// Returns a frame with white Gaussian noise, independent in all channels and not clipped; luma has the SD
+/// `sd`. `levels`: CV_32F. The noise depends on (seed, copy, frame) alone.
+cv::Mat add_noise(const cv::Mat& levels, double sd, std::uint64_t seed, std::uint32_t copy,
+                  std::uint32_t frame);
+
 /// Holds the sketch of the clip and those of the noisy copies that the interpretations need.
 struct StartSketches {
   SketchedClip clip;
@@ -53,8 +57,7 @@ struct StartSketches {
 };
 
 /// Sketches each frame and its noisy copies, reading the clip once.
-/// The noise is white, Gaussian, independent in all channels and not clipped; luma has the SD `perturb`. It
-/// depends on (seed, copy, frame) alone. Holds some frames and all graphs. Throws InputError,
+/// The noise is that of add_noise(), of 2 levels. Holds some frames and all graphs. Throws InputError,
 /// core::Cancelled. Cost: 1 + copies sketches per frame.
 StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOptions& extract,
                             const StartOptions& options, std::uint64_t seed, const core::Context& context);

@@ -30,11 +30,8 @@ graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const sket
   return sketch::add_anchors(graph, levels, anchors);
 }
 
-Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
-                           const sketch::FillOptions& options) {
-  sketch::NonsketchableFillOptions ground;
-  ground.fill = options;
-  return reconstruct(levels, draw_patches(levels, graph, drawing), ground);
+Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing) {
+  return reconstruct(levels, draw_patches(levels, graph, drawing), sketch::NonsketchableFillOptions{});
 }
 
 Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& drawn,

@@ -5,7 +5,6 @@
 
 #include "core/context.hpp"
 #include "graph/attribute_graph.hpp"
-#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/render.hpp"
 #include "sketch/texture/texture_fill.hpp"
 
@@ -26,8 +25,7 @@ struct Reconstruction {
 
 /// Draws the patches and anchors and fills the rest by diffusion.
 /// A frame without either becomes its mean level. `levels`: CV_32F, white = 255.
-Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing,
-                           const sketch::FillOptions& options);
+Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& graph, PatchDrawing drawing);
 
 /// Draws only the patches and anchors; patches from their attributes or with the frame's pixels.
 sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,

@@ -43,9 +43,9 @@ class SteadyFrames {
  public:
   static constexpr int kNeighbours = 3;  ///< frames on each side
 
-  /// Leaves sketches unchanged where `options.steady` is off, or patches are chosen by gain (budget, blobs).
+  /// Leaves sketches unchanged where `options.steady` is off, or patches are chosen by gain (budget).
   explicit SteadyFrames(const sketch::ExtractOptions& options)
-      : options_(options), is_on_(options.steady && options.budget <= 0 && !options.blobs) {}
+      : options_(options), is_on_(options.steady && options.budget <= 0) {}
 
   /// Appends the next frame, with the same number of versions as the others; their levels may be packed.
   /// `mask`: where structure counts; empty: everywhere.

@@ -40,7 +40,10 @@ namespace emberfold::sketch {
 
 namespace {
 
-constexpr double kVisible = 1;  // grey level: what differs by less looks the same
+constexpr double kVisible = 1;         // grey level: what differs by less looks the same
+constexpr double kSignificance = 6;    // SD of the noise's response: a curve begins above it
+constexpr double kHysteresis = 0.4;    // share of that response down to which a curve goes on
+constexpr double kLeastEvidence = 28;  // SD: root of the sum of squares along a curve
 
 // Many faint points count as much as few strong ones.
 double total_significance(const Chain& chain) {
@@ -49,7 +52,7 @@ double total_significance(const Chain& chain) {
   return std::sqrt(squares);
 }
 
-// Limits that follow from the sensitivity; at 0.5 they are those of the options.
+// Limits that follow from the sensitivity; at 0.5 they are the constants above.
 struct Limits {
   double significance, total_significance;  // of curves found point by point
   double of_flank, of_step;                 // see remove_flanks(), remove_flank_curves()
@@ -67,8 +70,8 @@ Limits make_limits(const ExtractOptions& options) {
   const double twice = std::max(0.0, options.sensitivity - kExplains) / (1 - kExplains),
                of_flank = std::lerp(1.6, 0.2, twice), of_step = std::lerp(0.45, 2.0, twice);
   return {
-      strict * options.significance,
-      strict * options.min_evidence,
+      strict * kSignificance,
+      strict * kLeastEvidence,
       of_flank,
       of_step,
       std::clamp(1 - options.sensitivity, 0.02, 0.98),
@@ -95,7 +98,7 @@ void ExtractOptions::validate() const {
   core::check_fields("ExtractOptions", *this);
   if (boundaries && !edges)
     throw core::InputError(
-        "ExtractOptions.boundaries is true; allowed is false without edges, as which boundaries are drawn");
+        "ExtractOptions.boundaries is true; allowed is false where no steps are drawn, as boundaries are");
 }
 
 double estimate_noise(const cv::Mat& luma) {
@@ -226,7 +229,7 @@ Statistics measure_statistics(const cv::Mat& levels, const std::vector<Tile>& ti
 std::vector<Chain> find_strong_curves(const Searched& frame, const ExtractOptions& options,
                                       const Limits& limits) {
   const ScaleSpace& space = frame.space;
-  const CreaseLimits low{options.hysteresis * limits.significance, options.min_contrast};
+  const CreaseLimits low{kHysteresis * limits.significance, options.min_contrast};
   auto [ridges, valleys] = find_lines(space, frame.ground, low);
   thin_parallel_points(ridges, space);
   thin_parallel_points(valleys, space);
@@ -283,14 +286,14 @@ constexpr int kScalesOfEdges = 2;  // beyond those of lines: edges blurred by up
 // Of the lines and the closed step edges those that explain the image; they are in the scale space given.
 std::vector<Chain> find_explaining_curves(const Searched& frame, const ScaleSpace& space,
                                           const cv::Mat& levels, const ExtractOptions& options) {
-  constexpr double kVisible = 6;        // grey levels: the least difference that people see at mid grey
+  constexpr double kVisibleStep = 6;    // grey levels: the least difference that people see at mid grey
   constexpr double kStillTraced = 0.5;  // of it: an edge may fade for a while
   constexpr double kNoise = 3;          // SD of a gradient; white noise exceeds it at one pixel in 90
   constexpr double kOctaves = 4;        // by which the exchange rate falls from sensitivity 0 to 1
   ExtractOptions of_lines = options;
   of_lines.edges = false;
   std::vector<Chain> lines = find_curves(frame, levels, of_lines, make_limits(of_lines), nullptr);
-  const double less = 0.5 - options.sensitivity, visible = kVisible * std::exp2(2 * less);
+  const double less = 0.5 - options.sensitivity, visible = kVisibleStep * std::exp2(2 * less);
   std::vector<std::vector<Chain>> edges;
   for (std::size_t k = 0; k < space.size(); ++k)
     edges.push_back(trace_edges(space[k], static_cast<int>(k),
@@ -311,7 +314,7 @@ graph::AttributeGraph find_strokes(const Searched& frame, const cv::Mat& levels,
       prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
   return refine(
       smooth_patches(place_patches(network, space, levels, options.spacing, frame.noise), frame.noise),
-      levels, frame.axes, {options.spacing, options.blobs, nullptr});
+      levels, frame.axes, {options.spacing, nullptr});
 }
 
 // The strokes of a frame in parts, with the statistics of the whole.
@@ -336,23 +339,22 @@ std::vector<Tile> tiles_of(cv::Size frame, const ExtractOptions& options) {
 
 // The sketch of a frame, with the curves that are found or given.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options, const cv::Mat1f* given) {
-  double noise = 0, unexplained = 0;  // grey levels
+  double noise = 0;  // grey levels
   graph::AttributeGraph strokes;
   if (levels.cols > options.tile || levels.rows > options.tile) {
     const std::vector<Tile> tiles = tiles_of(levels.size(), options);
     const Statistics statistics = measure_statistics(levels, tiles, options);
-    noise = statistics.noise[0], unexplained = statistics.axes[0].noise;
+    noise = statistics.noise[0];
     strokes = find_strokes_in_tiles(statistics, tiles, levels, options, given);
   } else {
     const Searched frame = prepare(levels, options);
-    noise = frame.noise, unexplained = frame.axes[0].noise;
+    noise = frame.noise;
     strokes = find_strokes(frame, levels, options, given);
   }
   if (given == nullptr && !options.boundaries && !uses_outlines(options, given))
     strokes = remove_flank_curves(strokes, make_limits(options).of_step);
   strokes = with_evidence_of_curves(strokes);
-  if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget, true});
-  if (options.blobs) return pursue(strokes, levels, {unexplained, 1, true});
+  if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget});
   return strokes;
 }
 

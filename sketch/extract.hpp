@@ -16,24 +16,20 @@ struct ExtractOptions {
   double sensitivity = 0.5;
   double finest_scale = 1.2;
   int scales = 5;
-  double significance = 6;
-  double hysteresis = 0.4;
   double min_contrast = 2;
   double min_length = 12;
-  double min_evidence = 28;
   double spacing = 5;
   bool steady = true;
   bool edges = true;
   bool outlines = false;
   bool boundaries = false;
   bool colour = false;
-  bool blobs = false;
   double budget = 0;
   int tile = 2048;
 
   /// Returns what checks, help and docstrings say of the fields.
   static auto fields() {
-    using core::above, core::at_least, core::between, core::kOnOff;
+    using core::at_least, core::between, core::kOnOff;
     return std::to_array<core::OptionField<ExtractOptions>>({
         {"sensitivity", &ExtractOptions::sensitivity, "S", between(0, 1),
          "Draw what is sure (0) up to all there may be (1): a point on the curve of precision and recall"},
@@ -41,16 +37,10 @@ struct ExtractOptions {
          "SD of the finest Gaussian in which creases are detected"},
         {"scales", &ExtractOptions::scales, "N", between(1, 12),
          "Number of scales, each sqrt(2) times the one before"},
-        {"significance", &ExtractOptions::significance, "SD", above(0),
-         "Start a curve where the response exceeds this multiple of the noise"},
-        {"hysteresis", &ExtractOptions::hysteresis, "SHARE", above(0, 1),
-         "Continue a curve down to this share of that response"},
         {"min_contrast", &ExtractOptions::min_contrast, "LEVELS", at_least(0),
          "Leave out fainter strokes (grey levels of 255)"},
         {"min_length", &ExtractOptions::min_length, "PX", at_least(0),
          "Leave out shorter curves that end freely"},
-        {"min_evidence", &ExtractOptions::min_evidence, "SD", at_least(0),
-         "Leave out curves of less significance in total: root of the sum of squares"},
         {"spacing", &ExtractOptions::spacing, "PX", between(2, 100),
          "Distance of neighbouring patches along a curve"},
         {"steady", &ExtractOptions::steady, "", kOnOff,
@@ -63,8 +53,6 @@ struct ExtractOptions {
          "Sketch the boundaries of things in photographs instead: where brightness or texture differ"},
         {"colour", &ExtractOptions::colour, "", kOnOff,
          "Detect structure in two axes of colour too, not only in luma"},
-        {"blobs", &ExtractOptions::blobs, "", kOnOff,
-         "Add blobs where the fill between strokes leaves more than noise"},
         {"budget", &ExtractOptions::budget, "SHARE", between(0, 1),
          "Keep the patches that gain most on this share of the frame; 0: all that pay"},
         {"tile", &ExtractOptions::tile, "PX", between(64, 16384),

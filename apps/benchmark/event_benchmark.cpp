@@ -80,7 +80,6 @@ double false_per_frame(const BenchmarkRow& row) {
 void BenchmarkOptions::validate() const {
   core::check_range("BenchmarkOptions.scenes", scenes, 1, 100);
   SceneOptions{1, frames, {}}.validate();
-  score.validate();
   for (const BenchmarkEntry& entry : entries)
     if (entry.name.empty() || entry.name == kOwn)
       throw core::InputError("an entry needs a name of its own, not '" + entry.name + "'");
@@ -117,8 +116,7 @@ std::vector<BenchmarkRow> run_benchmark(const BenchmarkOptions& options, io::Out
       for (const BenchmarkEntry& entry : options.entries) found[column++].add(read_entry(entry, where), k);
     }
     for (std::size_t n = 0; n < names.size(); ++n)
-      rows.push_back({std::string(name(kind)), names[n],
-                      graph::score_events(truth.all(), found[n].all(), options.score),
+      rows.push_back({std::string(name(kind)), names[n], graph::score_events(truth.all(), found[n].all()),
                       options.scenes * options.frames});
   }
   return rows;

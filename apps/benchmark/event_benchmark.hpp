@@ -29,7 +29,6 @@ struct BenchmarkOptions {
   bool make_only = false;  ///< make the scenes, find no events
   bool bottom_up = false;  ///< emberfold reports the match unchanged
   std::vector<BenchmarkEntry> entries;
-  graph::ScoreOptions score;
   /// Throws InputError naming field, value and range.
   void validate() const;
 };

@@ -49,7 +49,7 @@ std::string with_option_name(const std::string& message, const std::string& fiel
 void misuse(std::string message, const std::vector<std::string>& fields, const std::string& group) {
   message = without_struct_name(message);
   for (const auto& field : fields) {
-    const bool is_option = group.empty() || field == "frames";
+    const bool is_option = group.empty() || field == "frames" || field == "sensitivity";
     std::string name = is_option ? option_name(field) : group;
     if (!is_option) name.append(".").append(field);
     message = with_name(message, field, name);
@@ -57,11 +57,12 @@ void misuse(std::string message, const std::vector<std::string>& fields, const s
   throw Misuse(message);
 }
 
-void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options) {
+void add_sketch_options(CLI::App& command, Settings& settings, sketch::ExtractOptions& options) {
   add_number(command, "--sensitivity", options.sensitivity, "S",
              "Draw what is sure (0) up to all there may be (1)");
   command.add_flag_callback(
       "--no-edges", [&options] { options.edges = false; }, "Sketch ridges and valleys only, no step edges");
+  settings.add("sketch", options, {"sensitivity", "edges", "tile"});
 }
 
 std::string full_name(const CLI::App* app) {

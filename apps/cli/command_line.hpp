@@ -64,8 +64,8 @@ void finish_command(CLI::App& command, CommandLine& line, const std::shared_ptr<
 /// Adds --set; the caller adds the settings to the result.
 std::shared_ptr<Settings> add_settings(CLI::App& command, CommandLine& line);
 
-/// Adds --sensitivity and --no-edges, which are often needed.
-void add_sketch_options(CLI::App& command, sketch::ExtractOptions& options);
+/// Adds --sensitivity and --no-edges, which are often needed, and the other fields to the settings.
+void add_sketch_options(CLI::App& command, Settings& settings, sketch::ExtractOptions& options);
 
 /// Input options that are texts to parse; empty where not given.
 struct ReadingWords {
@@ -92,7 +92,7 @@ void add_clip_output(
     const std::string& about = "Write this clip: .mp4, .avi (lossless), a folder of PNG, or DIR/%05d.exr");
 
 /// Throws Misuse with a message of validate() in which a field has its name in --set ("sketch.min_contrast"),
-/// or its own option's name if it has one (`group` is empty, or frames).
+/// or its own option's name if it has one (`group` is empty, or frames, sensitivity).
 [[noreturn]] void misuse(std::string message, const std::vector<std::string>& fields,
                          const std::string& group);
 /// Validates options; throws Misuse.

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -30,15 +33,18 @@ class Settings {
     bool given = false;
   };
 
-  /// Adds every field of a struct of options (core/option_field.hpp). `options` must outlive this.
+  /// Adds the fields of a struct of options (core/option_field.hpp) but for those named in `without`.
+  /// `options` must outlive this.
   template <class Options>
-  void add(const std::string& group, Options& options) {
-    for (const auto& field : Options::fields())
+  void add(const std::string& group, Options& options, std::initializer_list<std::string_view> without = {}) {
+    for (const auto& field : Options::fields()) {
+      if (std::ranges::find(without, field.name) != without.end()) continue;
       std::visit(
           [&](const auto member) {
             add(group, field.name, &(options.*member), field.unit, field.meaning, field.allowed());
           },
           field.member);
+    }
   }
   /// Adds one field; what `value` points to must outlive this.
   void add(const std::string& group, const std::string& field, NumberPointer value, const std::string& unit,
@@ -51,8 +57,7 @@ class Settings {
   void assign(const std::string& assignment);
   [[nodiscard]] bool is_given(const std::string& name) const;
   [[nodiscard]] const std::vector<Setting>& all() const { return settings_; }
-  /// Returns "match.sigma_across" for "sigma-across" or "no-sigma-across"; empty where no field has that
-  /// name.
+  /// Returns "sketch.steady" for "steady" or "no-steady"; empty where no field has that name.
   [[nodiscard]] std::string name_of(const std::string& option) const;
 
  private:

@@ -237,8 +237,7 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
                         {"in_noise", options.in_noise},
                         {"least_probability", options.least_probability},
                         {"calibrate", options_json(options.calibrate)},
-                        {"texture", options.texture},
-                        {"fill", options_json(options.fill)}};
+                        {"texture", options.texture}};
   Json per_frame = per_frame_json(motion, found.events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
@@ -262,8 +261,8 @@ double counting_share(const core::FrameSource& source) {
 
 Pictures write_pictures(core::FrameSource& source, const pipeline::Analysis& found,
                         const AnalyzeOptions& options, io::OutputFolder& output, Session& session) {
-  const PictureOptions picture_options{options.fill, options.reconstruction};
-  Pictures pictures = draw_pictures(source, found.motion, found.events, picture_options, output, session);
+  Pictures pictures =
+      draw_pictures(source, found.motion, found.events, options.reconstruction, output, session);
   if (pictures.not_converged > 0)
     session.warn("the fill stopped before its tolerance in " + std::to_string(pictures.not_converged) +
                  " frames");

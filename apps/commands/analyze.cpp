@@ -143,7 +143,6 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
   check_options(options.match, "match");
   check_options(options.starts, "starts");
   check_options(options.infer, "infer");
-  check_options(options.fill, "fill");
   check_options(options.calibrate, "calibrate");
   return options;
 }
@@ -168,7 +167,8 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
   add_number(command, "--least-probability", options.least_probability, "P",
              "Report events of this probability or more; 0.5 if not given")
       ->default_str("");  // the column of names would be too wide
-  add_sketch_options(command, options.sketch);
+  const auto settings = add_settings(command, line);
+  add_sketch_options(command, *settings, options.sketch);
   command.add_flag_callback(
       "--no-jsonl", [&options] { options.jsonl = false; },
       "Leave out the graphs as text, motion.jsonl and sketch.jsonl");
@@ -177,13 +177,10 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
                    "Write reconstruction.avi too, and measure the PSNR of every frame");
   add_number(command, "--texture", options.texture, "N",
              "Learn N components of what lies between strokes (synth --fill dytex)");
-  const auto settings = add_settings(command, line);
-  settings->add("sketch", options.sketch);
   settings->add("match", options.match);
   settings->add("starts", options.starts);
   settings->add("infer", options.infer);
   settings->add("calibrate", options.calibrate);
-  settings->add("fill", options.fill);
 }
 
 void add_analyze(CLI::App& app, CommandLine& line) {

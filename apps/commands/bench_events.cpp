@@ -21,7 +21,6 @@ struct BenchEvents {
 
 BenchmarkOptions check_asked(const BenchEvents& asked) {
   BenchmarkOptions options = asked.options;
-  check_options(options.score, "score");
   if (!asked.kinds.empty()) options.kinds.clear();
   for (const SceneKind kind : all_scene_kinds())
     if (std::ranges::find(asked.kinds, name(kind)) != asked.kinds.end()) options.kinds.push_back(kind);
@@ -98,7 +97,6 @@ void add_bench_events(CLI::App& app, CommandLine& line) {
       ->type_name("NAME=FOLDER");
   command->add_flag("--make-only", asked->options.make_only, "Find no events; score the entries, if any");
   command->add_flag("--bottom-up", asked->options.bottom_up, "Take emberfold's match as it is");
-  add_settings(*command, line)->add("score", asked->options.score);
   finish_command(*command, line, asked, run_bench_events);
 }
 

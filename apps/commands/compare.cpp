@@ -25,11 +25,9 @@ struct Compare {
 Json options_of(const Compare& asked, const io::ReadOptions& read) {
   Json options = {{"reading", reading_json(read)},
                   {"sketch", options_json(asked.options.sketch)},
-                  {"match", options_json(asked.options.match)},
-                  {"strokes", asked.options.strokes}};
+                  {"match", options_json(asked.options.match)}};
   if (!asked.other.empty()) return options;
   options["comparison"] = options_json(asked.options);
-  options["fill"] = options_json(asked.options.fill);
   options["learn"] = options_json(asked.options.learn);
   return options;
 }
@@ -39,7 +37,6 @@ void run_compare(const Compare& asked, Session& session) {
   check_options(asked.options, "compare");
   check_options(asked.options.sketch, "sketch");
   check_options(asked.options.match, "match");
-  check_options(asked.options.fill, "fill");
   check_options(asked.options.learn, "learn");
   require_apart(
       {asked.reading.clip, asked.other, asked.reading.options.mask}, asked.output,
@@ -96,12 +93,10 @@ void add_compare(CLI::App& app, CommandLine& line) {
   auto& options = asked->options;
   add_number(*command, "--frames", options.frames, "N",
              "Draw this many frames from each model; 0: as many as the clip has");
-  add_sketch_options(*command, options.sketch);
   const auto settings = add_settings(*command, line);
-  settings->add("compare", options);
-  settings->add("sketch", options.sketch);
+  settings->add("compare", options, {"frames"});
+  add_sketch_options(*command, *settings, options.sketch);
   settings->add("match", options.match);
-  settings->add("fill", options.fill);
   settings->add("learn", options.learn);
   finish_command(*command, line, asked, run_compare);
 }

@@ -167,10 +167,9 @@ void add_model_clips(core::FrameSource& source, const AnalyzeOptions& options, A
   pipeline::CompareOptions compare;
   compare.sketch = options.sketch;
   compare.match = options.match;
-  compare.fill = options.fill;
   compare.learn = learn_options(analysis);
   // Two models only; 'emberfold compare' shows the others, which would double the time.
-  compare.hybrid = compare.star = compare.strokes = false;
+  compare.in_full = false;
   compare.steps = 1;
   analysis.stages.begin("texture");
   const auto texture = learn_demo_texture(source, compare.learn, analysis, output, session);

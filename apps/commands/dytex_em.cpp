@@ -11,16 +11,7 @@
 
 namespace emberfold::apps {
 
-namespace {
-
-std::string with_em_names(const std::string& message) {
-  return with_name(with_name(message, "em_iterations", "em.iterations"), "em_tolerance", "em.tolerance");
-}
-
-}  // namespace
-
-void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked) {
-  auto& options = asked.options;
+void add_em_options(CLI::App& command, EmRequest& asked) {
   command.add_flag("--em", asked.em, "Improve the closed form to the most likely model, by EM");
   command.add_option("--missing", asked.missing, "Ignore CLIP where this clip is not 0 (implies --em)")
       ->type_name("MASK");
@@ -28,11 +19,6 @@ void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked) {
       .add_option("--filled", asked.filled,
                   "Write CLIP with the ignored pixels filled in: .mp4, .avi, folder")
       ->type_name("OUT");
-  settings.add("em", "iterations", &options.iterations, "N", "Iterate at most so often", "1 to 100000");
-  settings.add("em", "tolerance", &options.tolerance, "SHARE",
-               "Stop where the log-likelihood grows by less than this share of it", "0 to 1");
-  settings.add("em", "noise_per_value", &options.noise_per_value, "",
-               "Learn a noise variance for each value of a frame (implies --em)");
 }
 
 void check_em(const EmRequest& asked, const dytex::LearnOptions& learning) {
@@ -47,11 +33,6 @@ void check_em(const EmRequest& asked, const dytex::LearnOptions& learning) {
   }
   if (!asked.filled.empty() && asked.missing.empty())
     throw Misuse("--filled needs --missing, which says what to fill in");
-  try {
-    asked.options.validate();
-  } catch (const core::InputError& error) {
-    throw Misuse("em." + without_struct_name(error.what()));
-  }
 }
 
 EmStage::EmStage(const EmRequest& asked, core::FrameSource& source, const io::ReadOptions& read,
@@ -79,9 +60,9 @@ void EmStage::improve(dytex::LinearDynamicTexture& texture) {
   if (!asked_.is_needed()) return;
   dytex::EmResult result;
   try {
-    result = dytex::maximise_likelihood(source_, texture, asked_.options, missing_, session_.context);
+    result = dytex::maximise_likelihood(source_, texture, {}, missing_, session_.context);
   } catch (const core::InputError& error) {
-    throw Misuse("--em: " + with_em_names(without_struct_name(error.what())));
+    throw Misuse("--em: " + without_struct_name(error.what()));
   }
   for (const auto& note : result.notes) session_.warn(note);
   texture = std::move(result.texture);
@@ -92,10 +73,7 @@ void EmStage::improve(dytex::LinearDynamicTexture& texture) {
               {"likelihood_r", result.likelihood_r},
               {"passes", result.passes},
               {"options",
-               {{"iterations", asked_.options.iterations},
-                {"tolerance", asked_.options.tolerance},
-                {"noise_per_value", asked_.options.noise_per_value},
-                {"missing", asked_.missing.empty() ? nlohmann::ordered_json(nullptr)
+               {{"missing", asked_.missing.empty() ? nlohmann::ordered_json(nullptr)
                                                    : nlohmann::ordered_json(asked_.missing)}}}};
   if (log.size() < 2) return;
   std::ostringstream said;

@@ -17,12 +17,11 @@ namespace emberfold::apps {
 struct EmRequest {
   bool em = false;
   std::string missing, filled;
-  dytex::EmOptions options;
-  [[nodiscard]] bool is_needed() const { return em || options.noise_per_value || !missing.empty(); }
+  [[nodiscard]] bool is_needed() const { return em || !missing.empty(); }
 };
 
-/// Adds --em, --missing, --filled, and the settings em.iterations, em.tolerance and em.noise_per_value.
-void add_em_options(CLI::App& command, Settings& settings, EmRequest& asked);
+/// Adds --em, --missing and --filled.
+void add_em_options(CLI::App& command, EmRequest& asked);
 /// Checks the options, also for consistency with those of the closed form. Throws Misuse.
 void check_em(const EmRequest& asked, const dytex::LearnOptions& learning);
 

@@ -93,8 +93,7 @@ Json learn_summary(const TextureLearning& asked, const io::ReadOptions& read, co
                   {"method", asked.method},
                   {"stable", asked.stable},
                   {"noise", asked.noise},
-                  {"noise_rank", asked.options.noise_rank},
-                  {"memory_mb", asked.memory}});
+                  {"noise_rank", asked.options.noise_rank}});
   options["mask"] = asked.mask.empty() ? Json(nullptr) : Json(asked.mask);
   summary["options"] = {{"reading", reading_json(read)}, {"learn", std::move(options)}};
   summary["texture"] = texture_json(texture);
@@ -162,11 +161,8 @@ void take_words(TextureLearning& asked) {
   options.method = value_of(kMethods, asked.method);
   options.stable = value_of(kStable, asked.stable);
   options.noise = value_of(kNoise, asked.noise);
-  if (asked.memory < 1)
-    throw Misuse("learn.memory is " + std::to_string(asked.memory) + " MiB; allowed is at least 1");
   if (asked.block < 0)
     throw Misuse("learn.block is " + std::to_string(asked.block) + "; allowed is at least 0");
-  options.memory = static_cast<std::size_t>(asked.memory) << 20;
 }
 
 }  // namespace
@@ -180,7 +176,6 @@ io::ReadOptions check_learning(TextureLearning& asked, const Session& session) {
   take_words(asked);
   io::ReadOptions read = check_reading(asked.reading, session);
   check_options(asked.options);
-  asked.em.options.memory = asked.options.memory;
   check_em(asked.em, asked.options);
   return read;
 }
@@ -259,8 +254,6 @@ void add_model_options(CLI::App& command, Settings& settings, TextureLearning& a
       "Drive the model by normal noise, residuals of the fit, or independent noises as they were");
   settings.add("learn", "noise_rank", &asked.options.noise_rank, "N",
                "Drive the model by so many noises, the strongest; 0: all", "0 to the number of components");
-  settings.add("learn", "memory", &asked.memory, "MIB",
-               "Memory for frames; more passes over the clip where they do not fit", "at least 1");
   settings.add("learn", "block", &asked.block, "N",
                "Decompose so many frames at a time and merge; 0: all, beyond 10000 under mpirun 1024",
                "at least 0");
@@ -290,7 +283,7 @@ void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
   mask->type_name("MASK");
   const auto settings = add_settings(*command, line);
   add_model_options(*command, *settings, *asked);
-  add_em_options(*command, *settings, asked->em);
+  add_em_options(*command, asked->em);
   finish_command(*command, line, asked, run_learn, [asked, components, energy, order] {
     asked->asked_components = components->count() > 0;
     asked->asked_energy = energy->count() > 0;

@@ -23,7 +23,6 @@ struct TextureLearning {
   bool asked_components = false, asked_energy = false, asked_order = false;
   double energy = 0.95;
   EmRequest em;
-  int memory = static_cast<int>(dytex::LearnOptions{}.memory >> 20);  ///< MiB
   int block = 0;  ///< frames decomposed at a time; 0: all, or a size that suits a long clip
   std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
 };

@@ -36,7 +36,6 @@ struct Morphing {
   io::ReadOptions read;
   graph::MorphOptions morph;
   sketch::ExtractOptions extract;
-  sketch::FillOptions fill;
 };
 
 /// One end of a morph.
@@ -109,7 +108,6 @@ void check_ends(const Morphing& asked, const MorphEnd& from, const MorphEnd& to)
 io::ReadOptions check_morphing(const Morphing& asked, const Session& session) {
   check_options(asked.morph, "morph");
   check_options(asked.extract, "sketch");
-  check_options(asked.fill, "fill");
   for (const auto& [name, frame] : {std::pair{"--at", asked.at}, {"--to", asked.until}})
     if (frame < 0)
       throw Misuse(std::string(name) + " is " + std::to_string(frame) + "; allowed is 0 or more");
@@ -184,8 +182,7 @@ Json summarise(const Morphing& asked, const io::ReadOptions& read, const MorphEn
   summary["to"] = end_json(asked.to, asked.until, to.graph);
   summary["options"] = {{"reading", reading_json(read)},
                         {"morph", options_json(asked.morph)},
-                        {"sketch", options_json(asked.extract)},
-                        {"fill", options_json(asked.fill)}};
+                        {"sketch", options_json(asked.extract)}};
   summary["morph"] = {{"width", from.size.width},  {"height", from.size.height},  {"fps", from.fps},
                       {"length_px", morph.length}, {"curves_moved", morph.moved}, {"curves_died", morph.died},
                       {"curves_born", morph.born}};
@@ -197,14 +194,14 @@ Json summarise(const Morphing& asked, const io::ReadOptions& read, const MorphEn
   return summary;
 }
 
-void write_films(const Morphing& asked, const MorphEnd& from, const MorphEnd& to, const graph::Morph& morph,
+void write_films(const MorphEnd& from, const MorphEnd& to, const graph::Morph& morph,
                  io::OutputFolder& output, const Session& session) {
   const int channels = std::max(from.channels, to.channels);
   try {
     MorphFilms films(morph, output, channels);
     sketch::draw_morph(
-        morph, {channels, from.level, to.level, asked.fill},
-        [&](const cv::Mat& frame) { films.write(frame); }, session.context);
+        morph, {channels, from.level, to.level}, [&](const cv::Mat& frame) { films.write(frame); },
+        session.context);
     films.finish(output);
   } catch (const core::IoError& error) {
     throw core::IoError(output.with_final_name(error.what()));
@@ -228,7 +225,7 @@ void run_morph(const Morphing& asked, Session& session) {
   const auto morph = graph::morph(from.graph, to.graph, from.size.width, from.size.height, from.fps,
                                   asked.morph, session.context);
   stages.begin("draw");
-  write_films(asked, from, to, morph, output, session);
+  write_films(from, to, morph, output, session);
   output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, morph.motion); });
   stages.end();
   Json summary = summarise(asked, read, from, to, morph, session);
@@ -260,11 +257,7 @@ void add_morph(CLI::App& app, CommandLine& line) {
   add_number(*command, "--to", asked->until, "FRAME", "Frame of B");
   add_number(*command, "--frames", asked->morph.frames, "N", "Draw this many frames, both ends included");
   add_reading_options(*command, asked->words, asked->read, false);
-  add_sketch_options(*command, asked->extract);
-  const auto settings = add_settings(*command, line);
-  settings->add("morph", asked->morph);
-  settings->add("sketch", asked->extract);
-  settings->add("fill", asked->fill);
+  add_sketch_options(*command, *add_settings(*command, line), asked->extract);
   finish_command(*command, line, asked, run_morph);
 }
 

@@ -50,50 +50,25 @@ void add_options(CLI::App& command, Asked& asked) {
 }
 
 void add_quilt_settings(Settings& settings, QuiltRequest& request) {
-  auto& quilt = request.quilt;
-  const auto add = [&](const char* field, NumberPointer value, const char* unit, const char* about,
-                       const char* allowed = "") {
-    settings.add("quilt", field, value, unit, about, allowed);
-  };
-  add("overlap", &quilt.overlap, "PX", "Overlap of blocks; default: a quarter of a block",
-      "1 to half a block");
-  add("components", &quilt.components, "N", "Rank of the basis in which places are compared", "1 to 256");
-  add("tolerance", &quilt.tolerance, "SHARE", "Take blocks with this much more error than the best as equal",
-      "0 to 10");
-  add("floor", &quilt.floor, "LEVELS", "Take blocks below this RMS error as equal", "0 to 255");
-  add("apart", &quilt.apart, "PX",
-      "Leave out places nearer than this to what blocks nearby show; default: half a block", "0 to 4096");
-  add("guide_weight", &quilt.guide_weight, "SHARE", "Weight of the guide against the overlap", "0 to 0.99");
-  add("exact", &quilt.exact, "", "Compare every place over all of time: slow, chooses the same");
-  add("flatten", &request.flatten, "PX", "Remove gradients wider than this from the clips; 0: none",
-      "0, 1 to 4096");
-  add("pixel", &request.pixel, "LENGTH",
-      "Size of the clip's pixel on the surface, in the mesh's unit; 0: that of a texel", "0 to 1e12");
-  add("memory", &request.memory, "MB", "Keep so much of the clips in memory, the rest in a file beside OUT",
-      "0 to 1000000");
+  settings.add("quilt", "overlap", &request.quilt.overlap, "PX",
+               "Overlap of blocks; default: a quarter of a block", "1 to half a block");
+  settings.add("quilt", "flatten", &request.flatten, "PX",
+               "Remove gradients wider than this from the clips; 0: none", "0, 1 to 4096");
+  settings.add("quilt", "memory", &request.memory, "MB",
+               "Keep so much of the clips in memory, the rest in a file beside OUT", "0 to 1000000");
   settings.add_word("quilt", "seams", request.seams, {"still", "moving"}, "",
                     "Join blocks along the same path in every frame, or let seams move in space and time");
   settings.add_word("quilt", "surface", request.surface, {}, "MESH.obj",
                     "Make the texture of this mesh, 1024x1024 unless --size is given");
-  settings.add_word("quilt", "map", request.map, {}, "FILE.npy",
-                    "Write the map to this file; default: map.npy");
   settings.add_word("quilt", "format", request.format, {"mp4", "avi", "png"}, "",
                     "Write the clip of a folder in this format; default: mp4, or png for 16 bits");
 }
 
 void add_time_settings(Settings& settings, ControlRequest& control) {
-  settings.add("control", "slow", &control.slow, "RATE", "Speed of time where an image is black");
-  settings.add("control", "fast", &control.fast, "RATE", "Speed of time where an image is white");
   settings.add_word("control", "offset", control.offset, {}, "MAP",
-                    "Begin time later by this many frames: a map as for --control");
-  settings.add("control", "early", &control.early, "FRAMES", "Offset where an image is black");
-  settings.add("control", "late", &control.late, "FRAMES", "Offset where an image is white");
-  settings.add_word("control", "fit", control.fit, {"exact", "stretch", "centre"}, "",
-                    "Fit a map of another size to the output; exact refuses it");
+                    "Begin time later by this many frames: a map as for --control, white: 30");
   settings.add("control", "jitter", &control.jitter, "FRAMES",
                "Shift blocks in time, smoothly, by up to this", "0 to 10000");
-  settings.add_word("control", "between", control.between, {"linear", "nearest"}, "",
-                    "Interpolate between two frames");
   settings.add_word("control", "ends", control.ends, {"clamp", "loop", "ping-pong"}, "",
                     "Continue time before and after the clip");
 }
@@ -130,7 +105,6 @@ void add_quilt(CLI::App& app, CommandLine& line) {
     request.own_size = command->count("--size") > 0;
     request.own_block = command->count("--block") > 0;
     request.own_overlap = settings->is_given("quilt.overlap");
-    request.own_apart = settings->is_given("quilt.apart");
   });
 }
 

@@ -20,7 +20,7 @@ struct Score {
 };
 
 void run_score(const Score& asked, const Session& session) {
-  check_options(asked.options, "score");
+  check_options(asked.options, "");
   auto truth_file = io::open_file(asked.truth);
   const auto truth = graph::read_truth(truth_file, asked.truth);
   auto events_file = io::open_file(asked.events);
@@ -34,7 +34,7 @@ void run_score(const Score& asked, const Session& session) {
 void add_score(CLI::App& app, CommandLine& line) {
   auto* command = add_command(app, "score", "Score found events against true ones: precision, recall, F1", R"(
   emberfold score truth.json out/fire/events.json
-  emberfold score truth.json out/fire/events.json --frames 1 --set score.radius=10 --json
+  emberfold score truth.json out/fire/events.json --frames 1 --radius 10 --json
   emberfold score review.json out/fire/events.json)");
   const auto asked = std::make_shared<Score>();
   command->add_option("TRUTH", asked->truth, "Read the true events from this truth.json or review.json")
@@ -45,7 +45,8 @@ void add_score(CLI::App& app, CommandLine& line) {
       ->type_name("");
   add_number(*command, "--frames", asked->options.frames, "N",
              "Count a true event at most this many frames away as a hit");
-  add_settings(*command, line)->add("score", asked->options);
+  add_number(*command, "--radius", asked->options.radius, "PX",
+             "Count a true event at most this far away as a hit");
   finish_command(*command, line, asked, run_score);
 }
 

@@ -50,7 +50,6 @@ SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, co
   request.ground.kind = fill_named(asked.fill);
   request.ground.seed = session.common.seed;
   check_options(request.extract, "sketch");
-  check_options(request.ground.fill, "fill");
   if (!asked.evidence.empty() && request.extract.boundaries)
     throw Misuse("--evidence cannot go with sketch.boundaries: either tells where the curves are");
   const int regions = request.ground.texture.regions;
@@ -88,7 +87,6 @@ void warn_about_run(const SketchRun& run, Session& session) {
 Json asked_json(const Sketch& asked, const SketchRequest& request, const io::ReadOptions& read) {
   Json fill = {{"kind", asked.fill}};
   if (request.ground.kind != sketch::FillMethod::diffusion) fill["regions"] = request.ground.texture.regions;
-  fill.update(options_json(request.ground.fill));
   Json drawing = {{"patches", asked.patches}, {"anchors", request.anchors}};
   return {{"reading", reading_json(read)},
           {"sketch", options_json(request.extract)},
@@ -238,14 +236,12 @@ void add_sketch(CLI::App& app, CommandLine& line) {
   add_reading(*command, asked->reading);
   add_output(*command, asked->output);
   add_drawing(*command, *asked);
-  add_sketch_options(*command, asked->request.extract);
+  const auto settings = add_settings(*command, line);
+  add_sketch_options(*command, *settings, asked->request.extract);
   command
       ->add_option("--evidence", asked->evidence,
                    "Draw along these curves: image or clip of their probability, white = 1")
       ->type_name("FILE");
-  const auto settings = add_settings(*command, line);
-  settings->add("sketch", asked->request.extract);
-  settings->add("fill", asked->request.ground.fill);
   finish_command(*command, line, asked, run_sketch, [asked, command, settings] {
     asked->own_budget = settings->is_given("sketch.budget");
     asked->own_regions = command->count("--regions") > 0;

@@ -94,8 +94,7 @@ Json summarise(const SynthRequest& asked, const mcmc::MotionModel& model,
                           {"fill", pipeline::name(frames.fill_kind())},
                           {"loop", asked.loop ? Json(*asked.loop) : Json(nullptr)},
                           {"alpha", asked.alpha.empty() ? Json(nullptr) : Json(asked.alpha)}}},
-                        {"edit", edits},
-                        {"fill", options_json(asked.fill)}};
+                        {"edit", edits}};
   summary["synthesis"] =
       frames.footage() ? footage_json(*frames.footage()) : statistics_json(*frames.statistics());
   if (const auto* sources = outputs.sources()) summary["synthesis"]["sources"] = shares_json(*sources);
@@ -130,8 +129,7 @@ void run_synth(SynthRequest asked, Session& session) {
                : edit.reverse ? -edit.speed
                               : edit.speed,
       .edit = carries ? read_edit(asked.edit, opened.motion) : mcmc::MotionEdit{},
-      .loop = asked.loop,
-      .fill = asked.fill};
+      .loop = asked.loop};
   pipeline::ClipSynthesis frames(opened, options, session.context);
   SynthOutputs outputs(asked, frames);
   write_clips(asked, outputs, frames, session);
@@ -203,7 +201,6 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
       ->check(CLI::IsMember({"data", "stationary"}).description(""))
       ->default_str(asked->start);
   add_edit_options(*command, asked->edit, settings.get());
-  settings->add("fill", asked->fill);
   finish_command(*command, line, asked, run_synth,
                  [asked, frames] { asked->asked_frames = frames->count() > 0; });
 }

@@ -65,7 +65,7 @@ struct DrawnFrame {
 
 DrawnFrame draw_picture_set(const cv::Mat& frame, int t, const core::ClipInfo& info,
                             const graph::AttributeGraph& graph, std::span<const graph::Event> events,
-                            const Plan& plan, const PictureOptions& options) {
+                            const Plan& plan) {
   constexpr int kStillSide = 960, kEventSide = 720;
   DrawnFrame drawn;
   drawn.bytes = to_colour_bytes(frame, info);
@@ -74,7 +74,7 @@ DrawnFrame draw_picture_set(const cv::Mat& frame, int t, const core::ClipInfo& i
     drawn.event_frame = make_still(drawn.bytes, kEventSide, plan.event_bytes);
   if (!plan.measured.contains(t) && !plan.stills.contains(t)) return drawn;
   const cv::Mat levels = core::to_levels(frame, info);
-  drawn.reconstruction = pipeline::reconstruct(levels, graph, pipeline::PatchDrawing::fitted, options.fill);
+  drawn.reconstruction = pipeline::reconstruct(levels, graph, pipeline::PatchDrawing::fitted);
   drawn.gains = pipeline::total_gain(levels, graph);
   if (plan.stills.contains(t)) {
     drawn.still = ReportStill{t,
@@ -99,8 +99,13 @@ std::string match_name(int t) {
 class Collector {
  public:
   Collector(const graph::MotionGraph& motion, std::span<const graph::Event> events, const Plan& plan,
-            const PictureOptions& options, const core::ClipInfo& info, io::OutputFolder& output)
-      : motion_(motion), events_(events), plan_(plan), options_(options), info_(info), output_(output) {
+            bool reconstructs, const core::ClipInfo& info, io::OutputFolder& output)
+      : motion_(motion),
+        events_(events),
+        plan_(plan),
+        reconstructs_(reconstructs),
+        info_(info),
+        output_(output) {
     if (!plan.gaps.empty()) output_.make_subfolder("matches");
   }
 
@@ -135,7 +140,7 @@ class Collector {
     pictures_.share.push_back(made.share);
     pictures_.psnr.push_back(made.psnr);
     pictures_.not_converged += made.converged ? 0 : 1;
-    if (!options_.reconstruction) return;
+    if (!reconstructs_) return;
     if (!reconstruction_)
       reconstruction_ = io::create_video(output_.staged("reconstruction.avi"), made.bytes.size(), info_.fps,
                                          made.bytes.channels() == 3);
@@ -145,7 +150,7 @@ class Collector {
   const graph::MotionGraph& motion_;
   std::span<const graph::Event> events_;
   const Plan& plan_;
-  const PictureOptions& options_;
+  bool reconstructs_;
   const core::ClipInfo& info_;
   io::OutputFolder& output_;
   std::unique_ptr<io::VideoWriter> overlay_, reconstruction_;
@@ -157,19 +162,19 @@ class Collector {
 }  // namespace
 
 Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
-                       std::span<const graph::Event> events, const PictureOptions& options,
-                       io::OutputFolder& output, const Session& session) {
+                       std::span<const graph::Event> events, bool reconstructs, io::OutputFolder& output,
+                       const Session& session) {
   const auto& info = source.info();
   const auto& graphs = motion.sketch.frames;
-  const Plan plan = make_plan(static_cast<int>(graphs.size()), events, options.reconstruction);
-  Collector collector(motion, events, plan, options, info, output);
+  const Plan plan = make_plan(static_cast<int>(graphs.size()), events, reconstructs);
+  Collector collector(motion, events, plan, reconstructs, info, output);
   try {
     const int frames = core::stream_frames(
         source, "pictures", static_cast<std::int64_t>(graphs.size()), session.context,
         [&](int t, const cv::Mat& frame) {
           if (static_cast<std::size_t>(t) >= graphs.size())
             throw core::IoError("the clip has more frames now than when it was sketched");
-          return draw_picture_set(frame, t, info, graphs[static_cast<std::size_t>(t)], events, plan, options);
+          return draw_picture_set(frame, t, info, graphs[static_cast<std::size_t>(t)], events, plan);
         },
         [&](int t, DrawnFrame drawn) { collector.take(t, std::move(drawn)); });
     if (static_cast<std::size_t>(frames) != graphs.size())

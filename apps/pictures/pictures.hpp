@@ -19,12 +19,6 @@
 
 namespace emberfold::apps {
 
-/// Options of draw_pictures().
-struct PictureOptions {
-  sketch::FillOptions fill;
-  bool reconstruction = false;  ///< reconstruct every frame and write reconstruction.avi
-};
-
 /// The results of the second pass over a clip.
 struct Pictures {
   ReportInput report;               ///< only its pictures are set
@@ -34,10 +28,10 @@ struct Pictures {
   cv::Mat mean;  ///< of all frames, CV_8UC3
 };
 
-/// Writes overlay.mp4, matches/ and, on request, reconstruction.avi, and makes the report's pictures.
-/// `events` are ordered by frame.
+/// Writes overlay.mp4, matches/ and, if it `reconstructs` every frame, reconstruction.avi, and makes the
+/// report's pictures. `events` are ordered by frame.
 Pictures draw_pictures(core::FrameSource& source, const graph::MotionGraph& motion,
-                       std::span<const graph::Event> events, const PictureOptions& options,
-                       io::OutputFolder& output, const Session& session);
+                       std::span<const graph::Event> events, bool reconstructs, io::OutputFolder& output,
+                       const Session& session);
 
 }  // namespace emberfold::apps

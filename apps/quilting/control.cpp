@@ -22,6 +22,9 @@ namespace emberfold::apps {
 
 namespace {
 
+constexpr double kWhiteRate = 1;     // speed of time where an image is white
+constexpr double kWhiteOffset = 30;  // frames: offset there
+
 std::optional<double> parse_one_number(const std::string& text) {
   char* stop = nullptr;
   const double value = std::strtod(text.c_str(), &stop);
@@ -29,28 +32,10 @@ std::optional<double> parse_one_number(const std::string& text) {
   return value;
 }
 
-// Fits a map of another size to the output, one value for each pixel.
-cv::Mat fit_field(const cv::Mat& field, cv::Size size, const ControlRequest& request,
-                  const std::string& name) {
-  if (field.size() == size) return field;
-  if (request.fit == "exact")
+void check_size(const cv::Mat& field, cv::Size size, const std::string& name) {
+  if (field.size() != size)
     throw core::InputError(name + " has " + core::size_text(field.size()) + " pixels, the output " +
-                           core::size_text(size) +
-                           "; --set control.fit=stretch (or centre) takes it all the same");
-  cv::Mat result;
-  if (request.fit == "stretch") {
-    const bool shrinks = field.cols > size.width && field.rows > size.height;
-    cv::resize(field, result, size, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
-    return result;
-  }
-  // Centred: cropped, or extended by the border's values.
-  result.create(size, field.type());
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x)
-      result.at<float>(y, x) =
-          field.at<float>(std::clamp(y + (field.rows - size.height) / 2, 0, field.rows - 1),
-                          std::clamp(x + (field.cols - size.width) / 2, 0, field.cols - 1));
-  return result;
+                           core::size_text(size));
 }
 
 // Splits an array into its planes.
@@ -128,16 +113,16 @@ cv::Mat distance_nearness(const std::string& name) {
 
 struct Named {
   std::string option, text;
-  double low, high;  // of black and white
+  double white;  // what an image means where it is white; black is 0
 };
 
 // Returns the field first, then the other planes of an array.
-std::vector<cv::Mat> fields_of(const Named& named, const ControlRequest& request, cv::Size size) {
+std::vector<cv::Mat> fields_of(const Named& named, cv::Size size) {
   if (named.text.empty()) return {};
   if (const auto value = parse_one_number(named.text)) return {cv::Mat(size, CV_32F, cv::Scalar(*value))};
   if (named.text.ends_with(".npy")) {
     auto planes = array_planes(named.text);
-    for (auto& plane : planes) plane = fit_field(plane, size, request, named.text);
+    for (const auto& plane : planes) check_size(plane, size, named.text);
     return planes;
   }
   const auto colon = named.text.find(':');
@@ -154,31 +139,20 @@ std::vector<cv::Mat> fields_of(const Named& named, const ControlRequest& request
     const cv::Mat pixels = io::read_image(named.text).pixels;
     shares = grey_image(named.text) / (pixels.depth() == CV_16U ? 65535.0 : 255.0);
   }
-  shares = fit_field(shares, size, request, named.text);
-  return {cv::Mat(named.low + (named.high - named.low) * shares)};
+  check_size(shares, size, named.text);
+  return {cv::Mat(named.white * shares)};
 }
 
 }  // namespace
 
-void parse_pair(const std::string& option, const std::string& text, double& first, double& second) {
-  const auto colon = text.find(':');
-  const auto a = parse_one_number(text.substr(0, colon));
-  const auto b = colon == std::string::npos ? std::nullopt : parse_one_number(text.substr(colon + 1));
-  if (!a || !b || !std::isfinite(*a) || !std::isfinite(*b))
-    throw Misuse(option + " is '" + text + "'; give two numbers, as 0:1");
-  first = *a, second = *b;
-}
-
 dytex::TimeControl make_control(const ControlRequest& request, cv::Size size, cv::Size block,
                                 std::uint64_t seed) {
   dytex::TimeControl control;
-  control.between =
-      request.between == "nearest" ? dytex::BetweenFrames::nearest : dytex::BetweenFrames::linear;
   control.ends = request.ends == "loop"        ? dytex::ClipEnds::loop
                  : request.ends == "ping-pong" ? dytex::ClipEnds::ping_pong
                                                : dytex::ClipEnds::clamp;
-  const auto rates = fields_of({"--control", request.rate, request.slow, request.fast}, request, size);
-  const auto offsets = fields_of({"--offset", request.offset, request.early, request.late}, request, size);
+  const auto rates = fields_of({"--control", request.rate, kWhiteRate}, size);
+  const auto offsets = fields_of({"--offset", request.offset, kWhiteOffset}, size);
   if (!rates.empty()) control.rate = rates.front();
   if (rates.size() == 2) {
     if (!offsets.empty())

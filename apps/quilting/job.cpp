@@ -127,8 +127,8 @@ std::vector<std::string> input_names(const QuiltRequest& request) {
 }
 
 std::vector<io::OutputPath> output_paths(const QuiltRequest& request, const QuiltTarget& target) {
-  std::vector<io::OutputPath> paths{{request.map}, {target.checkpoint}};
-  const bool own_map = request.map.empty() && !keeps_map(request, target);
+  std::vector<io::OutputPath> paths{{target.checkpoint}};
+  const bool own_map = !keeps_map(request, target);
   if (!target.whole) {
     paths.push_back({request.output});
     if (own_map) paths.push_back({target.folder / "map.npy"});

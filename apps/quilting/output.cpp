@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/quilting/output.hpp"
 
-#include <fstream>
 #include <memory>
 #include <utility>
 
@@ -68,34 +67,17 @@ core::NpyArray time_array(const dytex::TimeControl& control, cv::Size size) {
           std::move(values)};
 }
 
-// Writes a file outside the output folder under a temporary name, then renames it.
-void write_array(const fs::path& path, const core::NpyArray& array) {
-  const fs::path part = path.string() + ".part";
-  std::ofstream out(part, std::ios::binary | std::ios::trunc);
-  if (out) core::write_npy(out, array);
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(part, path, error);
-  if (out && !error) return;
-  std::error_code ignored;
-  fs::remove(part, ignored);
-  throw core::IoError("cannot write " + path.string());
-}
-
 }  // namespace
 
 bool keeps_map(const QuiltRequest& request, const QuiltTarget& target) {
   std::error_code none;
-  return request.map.empty() && !request.apply.empty() &&
-         fs::equivalent(target.folder / "map.npy", request.apply, none);
+  return !request.apply.empty() && fs::equivalent(target.folder / "map.npy", request.apply, none);
 }
 
 void write_quilt_map(io::OutputFolder& output, const QuiltRequest& request, const QuiltTarget& target,
                      const dytex::QuiltMap& map, const dytex::TimeControl& control) {
   const auto array = dytex::to_array(map);
-  if (!request.map.empty())
-    write_array(request.map, array);
-  else if (!keeps_map(request, target))
+  if (!keeps_map(request, target))
     output.write("map.npy", [&](std::ostream& out) { core::write_npy(out, array); });
   if (control.plain()) return;
   const auto times = time_array(control, map.size);

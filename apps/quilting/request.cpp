@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/command.hpp"
-#include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
 
 namespace emberfold::apps {
@@ -22,7 +21,7 @@ bool parse_whole(std::string_view text, int& value) {
   return !text.empty() && error == std::errc{} && stop == text.data() + text.size();
 }
 
-// Rewrites "QuiltOptions.guide_weight is …" with the option's name on the command line.
+// Rewrites "QuiltOptions.overlap is …" with the option's name on the command line.
 std::string as_option(const std::string& message) {
   std::string name = message.substr(0, message.find(' '));
   const std::string rest = message.substr(name.size());
@@ -56,7 +55,7 @@ void complete_request(QuiltRequest& request, cv::Size source) {
     quilt.block = {side, side};
   }
   if (!request.own_overlap) quilt.overlap = std::max(1, std::min(quilt.block.width, quilt.block.height) / 4);
-  if (!request.own_apart) quilt.apart = std::min(quilt.block.width, quilt.block.height) / 2;
+  quilt.apart = std::min(quilt.block.width, quilt.block.height) / 2;
   try {
     quilt.validate();
   } catch (const core::InputError& error) {
@@ -70,14 +69,7 @@ void complete_request(QuiltRequest& request, cv::Size source) {
 namespace {
 
 void check_surface_request(const QuiltRequest& request) {
-  if (request.surface.empty()) {
-    if (request.pixel != 0)
-      throw Misuse("quilt.pixel is a size on a surface; quilt.surface=MESH.obj gives one");
-    return;
-  }
-  if (!(request.pixel >= 0 && request.pixel <= 1e12))
-    throw Misuse("quilt.pixel is " + core::number_text(request.pixel) +
-                 "; allowed is a size above 0, or 0 for that of a texel");
+  if (request.surface.empty()) return;
   if (!request.apply.empty() || request.quilt.tileable || !request.guide.empty() || request.seams != "still")
     throw Misuse(
         "quilt.surface seeks a map of its own, with seams that stand still: --apply, --tileable, --guide and "
@@ -131,27 +123,16 @@ Json request_json(const QuiltRequest& request) {
     out["quilt"] = {{"size", {quilt.size.width, quilt.size.height}},
                     {"block", {quilt.block.width, quilt.block.height}},
                     {"overlap", quilt.overlap},
-                    {"components", quilt.components},
-                    {"tolerance", quilt.tolerance},
-                    {"floor", quilt.floor},
-                    {"apart", quilt.apart},
                     {"guide", request.guide},
-                    {"guide_weight", quilt.guide_weight},
                     {"masks", request.masks},
                     {"tileable", quilt.tileable},
-                    {"seams", request.seams},
-                    {"exact", quilt.exact}};
+                    {"seams", request.seams}};
   else
     out["apply"] = request.apply;
-  if (!request.surface.empty()) {
-    out["quilt"]["surface"] = request.surface;
-    out["quilt"]["pixel"] = request.pixel;
-  }
+  if (!request.surface.empty()) out["quilt"]["surface"] = request.surface;
   out["flatten"] = request.flatten;
-  out["control"] = {{"rate", control.rate},       {"rates", {control.slow, control.fast}},
-                    {"offset", control.offset},   {"offsets", {control.early, control.late}},
-                    {"jitter", control.jitter},   {"fit", control.fit},
-                    {"between", control.between}, {"ends", control.ends}};
+  out["control"] = {
+      {"rate", control.rate}, {"offset", control.offset}, {"jitter", control.jitter}, {"ends", control.ends}};
   return out;
 }
 

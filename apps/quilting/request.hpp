@@ -19,16 +19,14 @@ struct QuiltRequest {
   std::vector<std::string> clips;  ///< the time-lapse, and additional clips
   io::ReadOptions read;
   std::string output;  ///< a folder for everything, or a clip file: .mp4, .avi, .png
-  std::string map;     ///< file of the map; empty: map.npy next to the clip
   std::string apply;   ///< a map to apply; no search
   std::string format;  ///< of the clip in a folder: mp4, avi, png; empty: chosen automatically
 
   dytex::QuiltOptions quilt;
-  bool own_size = false, own_block = false, own_overlap = false, own_apart = false;
+  bool own_size = false, own_block = false, own_overlap = false;
   std::vector<std::string> masks;  ///< one for each clip, or for the first ones
   std::string guide;
-  std::string surface;  ///< a mesh (OBJ) whose texture the output becomes; empty: a plane
-  double pixel = 0;     ///< size of a pixel of the clip on the surface, in the mesh's unit; 0: a texel's
+  std::string surface;          ///< a mesh (OBJ) whose texture the output becomes; empty: a plane
   std::string seams = "still";  ///< or moving
   double flatten = 0;           ///< px, 0: off
 

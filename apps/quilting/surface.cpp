@@ -20,7 +20,7 @@ SurfaceFound read_surface(const QuiltRequest& request, Session& session) {
   const auto mesh = dytex::read_obj(stream, request.surface);
   SurfaceFound found;
   try {
-    found.layout = dytex::lay_out_surface(mesh, request.quilt.size, request.pixel);
+    found.layout = dytex::lay_out_surface(mesh, request.quilt.size);
   } catch (const core::InputError& error) {
     throw core::InputError(request.surface + ": " + error.what());
   }

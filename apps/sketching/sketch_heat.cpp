@@ -17,6 +17,7 @@
 #include "apps/sketching/sketch_film.hpp"
 #include "core/clip/clip_range.hpp"
 #include "core/io/clip_writer.hpp"
+#include "sketch/inpainting/fill.hpp"
 #include "sketch/inpainting/heat_film.hpp"
 
 namespace emberfold::apps {
@@ -74,13 +75,12 @@ std::int64_t steps_to_rest(const cv::Mat& mask) {
       std::ceil(std::log(kOpenLevel / kNear) / rate / sketch::HeatFlow::kLargestStep));
 }
 
-bool run_heat(const sketch::Sketchable& held, const cv::Scalar& empty, const sketch::FillOptions& fill,
-              const HeatOptions& options, const core::Context& context,
-              const std::function<void(const HeatMoment&)>& take) {
+bool run_heat(const sketch::Sketchable& held, const cv::Scalar& empty, const HeatOptions& options,
+              const core::Context& context, const std::function<void(const HeatMoment&)>& take) {
   const bool any = cv::countNonZero(held.mask) > 0;
   cv::Mat begin = held.levels.clone();
   begin.setTo(any ? cv::Scalar::all(kOpenLevel) : empty, held.mask == 0);
-  const cv::Mat rest = any ? sketch::fill(held.levels, held.mask, fill).levels : begin;
+  const cv::Mat rest = any ? sketch::fill(held.levels, held.mask).levels : begin;
   const double values = static_cast<double>(begin.total()) * begin.channels();
   const auto most = std::max<std::int64_t>(1, std::llround(options.most_work / values));
   const auto planned = heat_steps(std::min(most, steps_to_rest(held.mask)), options.moments - 1);
@@ -124,13 +124,12 @@ void write_heat_film(core::FrameSource& source, const SketchRequest& request, co
           ? sketch::hold_anchors(patches, pipeline::add_anchors(graph, patches, levels, request.anchors))
           : patches;
   std::unique_ptr<io::VideoWriter> video;
-  const bool near = run_heat(
-      held, cv::mean(levels), request.ground.fill, {}, session.context, [&](const HeatMoment& moment) {
-        const cv::Mat picture = moment_picture(moment, t);
-        if (!video) video = io::create_video(output.staged("heat.mp4"), picture.size(), kRate, true);
-        const int times = moment.at_rest ? kEnd : moment.steps == 0 ? kBegin : 1;
-        for (int i = 0; i < times; ++i) video->write(picture);
-      });
+  const bool near = run_heat(held, cv::mean(levels), {}, session.context, [&](const HeatMoment& moment) {
+    const cv::Mat picture = moment_picture(moment, t);
+    if (!video) video = io::create_video(output.staged("heat.mp4"), picture.size(), kRate, true);
+    const int times = moment.at_rest ? kEnd : moment.steps == 0 ? kBegin : 1;
+    for (int i = 0; i < times; ++i) video->write(picture);
+  });
   video->finish();
   if (!near)
     session.warn("heat.mp4: so wide are the gaps between the patches of frame " + std::to_string(t) +

@@ -9,7 +9,6 @@
 
 #include "apps/sketching/sketch_frames.hpp"
 #include "core/context.hpp"
-#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/render.hpp"
 
 namespace emberfold::apps {
@@ -38,9 +37,8 @@ struct HeatOptions {
 /// Diffuses from the sketchable part on mid-grey, or from `empty` where there is none, by explicit steps.
 /// Calls take() at times in geometric progression until all levels are within half a grey level of the fill,
 /// and last with the fill itself. Returns false where `most_work` stopped it earlier. Throws core::Cancelled.
-bool run_heat(const sketch::Sketchable& held, const cv::Scalar& empty, const sketch::FillOptions& fill,
-              const HeatOptions& options, const core::Context& context,
-              const std::function<void(const HeatMoment&)>& take);
+bool run_heat(const sketch::Sketchable& held, const cv::Scalar& empty, const HeatOptions& options,
+              const core::Context& context, const std::function<void(const HeatMoment&)>& take);
 
 /// Reads the request's frame again and writes heat.mp4.
 void write_heat_film(core::FrameSource& source, const SketchRequest& request, const SketchRun& run,

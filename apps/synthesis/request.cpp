@@ -84,7 +84,6 @@ void check_pictures(const SynthRequest& asked) {
 void check(SynthRequest& asked) {
   if (asked.frames < 1 || asked.frames > 1'000'000)
     throw Misuse("--frames is " + std::to_string(asked.frames) + "; allowed is 1 to 1000000");
-  check_options(asked.fill, "fill");
   check(asked.edit);
   choose_fill(asked);
   check_pictures(asked);

@@ -9,7 +9,6 @@
 #include "apps/cli/edit_options.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_model.hpp"
-#include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::apps {
 
@@ -21,7 +20,6 @@ struct SynthRequest {
   std::optional<int> loop, width, height;
   bool asked_frames = false;
   std::string drawn_since;  ///< why strokes are drawn instead of transferred
-  sketch::FillOptions fill;
   std::string start = "data";
   EditOptions edit;
 

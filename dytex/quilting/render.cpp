@@ -40,10 +40,9 @@ void TimeControl::validate(cv::Size size) const {
   }
 }
 
-FrameTime frame_time(double time, int frames, BetweenFrames between, ClipEnds ends) {
+FrameTime frame_time(double time, int frames, ClipEnds ends) {
   const int last = frames - 1;
   if (last == 0) return {};
-  if (between == BetweenFrames::nearest) time = std::floor(time + 0.5);
   const double period = ends == ClipEnds::loop ? frames : 2.0 * last;
   if (ends == ClipEnds::clamp)
     time = std::clamp(time, 0.0, static_cast<double>(last));
@@ -111,8 +110,8 @@ void render_row(const QuiltMap& map, const TimeControl& control, int frames, std
   std::vector<FrameTime> moments(out.size());
   const auto set_moments = [&](int x) {
     for (std::size_t i = 0; i < out.size(); ++i)
-      moments[i] = frame_time(time_of(control, x, y, first + static_cast<std::int64_t>(i)), frames,
-                              control.between, control.ends);
+      moments[i] =
+          frame_time(time_of(control, x, y, first + static_cast<std::int64_t>(i)), frames, control.ends);
   };
   std::vector<T*> rows;
   for (auto& frame : out) rows.push_back(frame.ptr<T>(y));

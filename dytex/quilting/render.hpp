@@ -15,7 +15,6 @@
 
 namespace emberfold::dytex {
 
-enum class BetweenFrames { nearest, linear };
 /// The frames beyond the first and last: these repeated; the clip again; the clip to and fro.
 enum class ClipEnds { clamp, loop, ping_pong };
 
@@ -24,7 +23,6 @@ enum class ClipEnds { clamp, loop, ping_pong };
 struct TimeControl {
   cv::Mat rate;    ///< CV_32F of the output's size, or empty: 1 everywhere
   cv::Mat offset;  ///< CV_32F of the output's size, in frames, or empty: 0
-  BetweenFrames between = BetweenFrames::linear;
   ClipEnds ends = ClipEnds::clamp;
 
   /// Throws InputError unless both have this size and type and are finite, sizes up to 10⁶.
@@ -37,8 +35,8 @@ struct FrameTime {
   int before = 0, after = 0;
   double weight = 0;  ///< [0, 1)
 };
-/// Locates `time` in a clip of `frames` ≥ 1. With BetweenFrames::nearest the weight is 0.
-FrameTime frame_time(double time, int frames, BetweenFrames between, ClipEnds ends);
+/// Locates `time` in a clip of `frames` ≥ 1.
+FrameTime frame_time(double time, int frames, ClipEnds ends);
 
 /// Draws time offsets that differ smoothly from place to place, so that copies of one source block do not all
 /// change at once: independent and uniform in ±`frames` at the points of a grid `spacing` px apart, cubic in

@@ -8,6 +8,12 @@ namespace emberfold::graph::detail {
 
 namespace {
 
+// Spreads of a curve's features from frame to frame.
+constexpr double kSdCount = 0.5;         // of the logarithm of its number of patches
+constexpr double kSdShape = 3;           // px
+constexpr double kSdMeanContrast = 0.5;  // of the logarithm
+constexpr double kSdDegree = 1;
+
 /// Returns points at equal steps of arc length from end to end of the curve, less their mean.
 std::array<Point, 5> resample(std::span<const Point> at, const Curve& curve) {
   std::array<Point, 5> result;
@@ -56,7 +62,7 @@ CurveFeatures compute_features(const AttributeGraph& graph, std::span<const Poin
   return result;
 }
 
-double similarity(const CurveFeatures& a, const CurveFeatures& b, const MatchOptions& options) {
+double similarity(const CurveFeatures& a, const CurveFeatures& b) {
   double same_way = 0, other_way = 0;
   const std::size_t n = a.shape.size();
   for (std::size_t k = 0; k < n; ++k) {
@@ -64,10 +70,9 @@ double similarity(const CurveFeatures& a, const CurveFeatures& b, const MatchOpt
     other_way += square(distance(a.shape[k], b.shape[n - 1 - k]));
   }
   const double shape = std::min(same_way, other_way) / static_cast<double>(n);
-  return std::exp(-0.5 * (square((a.log_count - b.log_count) / options.sigma_count) +
-                          shape / square(options.sigma_shape) +
-                          square((a.log_contrast - b.log_contrast) / options.sigma_contrast) +
-                          square((a.degree - b.degree) / options.sigma_degree)));
+  return std::exp(-0.5 * (square((a.log_count - b.log_count) / kSdCount) + shape / square(kSdShape) +
+                          square((a.log_contrast - b.log_contrast) / kSdMeanContrast) +
+                          square((a.degree - b.degree) / kSdDegree)));
 }
 
 }  // namespace emberfold::graph::detail

@@ -20,6 +20,6 @@ CurveFeatures compute_features(const AttributeGraph& graph, std::span<const Poin
 
 /// Returns P_match without its 1/Z (Wang & Zhu 2004, §3.2), in (0, 1].
 /// 1: equal in all four features, in either direction.
-double similarity(const CurveFeatures& a, const CurveFeatures& b, const MatchOptions& options);
+double similarity(const CurveFeatures& a, const CurveFeatures& b);
 
 }  // namespace emberfold::graph::detail

@@ -26,12 +26,16 @@ namespace {
 
 using detail::IndexLinks;
 
-constexpr double kGate = 4.5;               // nats: cost of 3 SDs in one attribute; a link may cost no more
-constexpr double kReach = 12;               // px along a curve: SD of the window in which motion is smooth
-constexpr double kWindow = 3 * kReach;      // px: end of that window
-constexpr double kAlongWeight = 0.05;       // of motion along a curve, which hardly shows, against across it
-constexpr double kPriorWeight = 0.3;        // patches: weight of the expected motion
-constexpr std::array kWide = {2.5, 1.5};    // factors on sigma_across in the passes that only find the motion
+constexpr double kGate = 4.5;             // nats: cost of 3 SDs in one attribute; a link may cost no more
+constexpr double kSdAcross = 2;           // px: spread of a patch about its expected place, across its curve
+constexpr double kSdAlong = 5;            // px: along it, by up to the patches' spacing
+constexpr double kSdAngle = 0.35;         // rad: spread of a patch's orientation
+constexpr double kSdContrast = 0.5;       // spread of the logarithm of a patch's contrast
+constexpr double kReach = 12;             // px along a curve: SD of the window in which motion is smooth
+constexpr double kWindow = 3 * kReach;    // px: end of that window
+constexpr double kAlongWeight = 0.05;     // of motion along a curve, which hardly shows, against across it
+constexpr double kPriorWeight = 0.3;      // patches: weight of the expected motion
+constexpr std::array kWide = {2.5, 1.5};  // factors on kSdAcross in the passes that only find the motion
 constexpr std::ptrdiff_t kCandidates = 32;  // at most for one patch: more lie on top of each other
 constexpr int kFlickerRounds = 2;           // repairing one flicker reveals another
 // A pair of components is linked by at least
@@ -91,18 +95,16 @@ double square(double x) {
   return x * x;
 }
 
-/// Returns the gain of a link: kGate less half the squared distances in SDs. `wide`: factor on sigma_across.
-double link_gain(const FramePair& frames, std::uint32_t i, std::uint32_t j, const MatchOptions& options,
-                 double wide) {
+/// Returns the gain of a link: kGate less half the squared distances in SDs. `wide`: factor on kSdAcross.
+double link_gain(const FramePair& frames, std::uint32_t i, std::uint32_t j, double wide) {
   const Point along = frames.along(i, j), apart = frames.patches_after.place[j] - frames.expected[i];
   const double across = apart.y * along.x - apart.x * along.y;
-  const double place =
-      square(across / (options.sigma_across * wide)) + square(dot(apart, along) / options.sigma_along);
+  const double place = square(across / (kSdAcross * wide)) + square(dot(apart, along) / kSdAlong);
   const double contrast = frames.patches_after.log_contrast[j] - frames.patches_before.log_contrast[i];
-  const double left = kGate - 0.5 * (place + square(contrast / options.sigma_contrast));
+  const double left = kGate - 0.5 * (place + square(contrast / kSdContrast));
   if (left <= 0) return left;
   const double cosine = std::abs(dot(frames.patches_before.direction[i], frames.patches_after.direction[j]));
-  return left - 0.5 * square(std::acos(std::min(1.0, cosine)) / options.sigma_angle);
+  return left - 0.5 * square(std::acos(std::min(1.0, cosine)) / kSdAngle);
 }
 
 std::vector<Candidate> find_candidates(const FramePair& frames, const detail::PointGrid& near,
@@ -114,7 +116,7 @@ std::vector<Candidate> find_candidates(const FramePair& frames, const detail::Po
       const Point apart = frames.patches_after.place[j] - frames.first_expected[i];
       if (dot(apart, apart) > square(options.max_motion)) continue;
       if (!same_kind(frames.before.patch(i), frames.after.patch(j))) continue;
-      const double gains = link_gain(frames, i, j, options, wide);
+      const double gains = link_gain(frames, i, j, wide);
       if (gains > 0) result.push_back({i, j, gains});
     }
     const auto first = result.begin() + static_cast<std::ptrdiff_t>(start);
@@ -129,13 +131,13 @@ std::vector<Candidate> find_candidates(const FramePair& frames, const detail::Po
 }
 
 IndexLinks align_curves(const FramePair& frames, detail::Aligner& aligner,
-                        const std::vector<Candidate>& candidates, const MatchOptions& options) {
+                        const std::vector<Candidate>& candidates) {
   std::vector<detail::CurveFeatures> features_before;
   for (const Curve& curve : frames.curves_before) {
     features_before.push_back(detail::compute_features(frames.before, frames.expected, curve));
   }
   return aligner.align(candidates, [&](std::uint32_t a, std::uint32_t b) {
-    return detail::similarity(features_before[a], frames.features_after[b], options);
+    return detail::similarity(features_before[a], frames.features_after[b]);
   });
 }
 
@@ -213,11 +215,11 @@ LinkedPair link_frames(const AttributeGraph& before, const AttributeGraph& after
   const detail::PointGrid near(frames.patches_after.place, options.max_motion);
   detail::Aligner aligner(frames.curves_before, frames.curves_after, before.size(), after.size());
   for (const double wide : kWide) {
-    frames.expected = fit_motion(
-        frames, align_curves(frames, aligner, find_candidates(frames, near, options, wide), options));
+    frames.expected =
+        fit_motion(frames, align_curves(frames, aligner, find_candidates(frames, near, options, wide)));
   }
   const auto found = find_candidates(frames, near, options, 1);
-  const IndexLinks links = assign_rest(frames, align_curves(frames, aligner, found, options), found);
+  const IndexLinks links = assign_rest(frames, align_curves(frames, aligner, found), found);
   LinkedPair result;
   result.links = supported_links(before, after, name_links(before, after, links));
   result.motion = fit_motion(frames, links);

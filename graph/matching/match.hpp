@@ -11,16 +11,9 @@
 
 namespace emberfold::graph {
 
-/// Options of match. Spreads are SDs of the Gaussians in a link's gain.
+/// Options of match.
 struct MatchOptions {
   double max_motion = 12;
-  double sigma_across = 2;
-  double sigma_along = 5;
-  double sigma_angle = 0.35;
-  double sigma_contrast = 0.5;
-  double sigma_count = 0.5;
-  double sigma_shape = 3;
-  double sigma_degree = 1;
   int flicker = 3;
 
   /// Returns what checks, help and docstrings say of the fields.
@@ -29,18 +22,6 @@ struct MatchOptions {
     return std::to_array<core::OptionField<MatchOptions>>({
         {"max_motion", &MatchOptions::max_motion, "PX", above(0),
          "Link nothing farther than this from its expected place"},
-        {"sigma_across", &MatchOptions::sigma_across, "PX", above(0),
-         "Spread of a patch about its expected place across its curve"},
-        {"sigma_along", &MatchOptions::sigma_along, "PX", above(0), "Spread of a patch along its curve"},
-        {"sigma_angle", &MatchOptions::sigma_angle, "RAD", above(0), "Spread of a patch's orientation"},
-        {"sigma_contrast", &MatchOptions::sigma_contrast, "LOG", above(0),
-         "Spread of the logarithm of a patch's contrast"},
-        {"sigma_count", &MatchOptions::sigma_count, "LOG", above(0),
-         "Spread of the logarithm of a stroke's number of patches (c of the coarse match)"},
-        {"sigma_shape", &MatchOptions::sigma_shape, "PX", above(0),
-         "Spread of a stroke's shape (s of the coarse match)"},
-        {"sigma_degree", &MatchOptions::sigma_degree, "N", above(0),
-         "Spread of a stroke's vertex degrees (d of the coarse match)"},
         {"flicker", &MatchOptions::flicker, "FRAMES", between(0, 100),
          "Remove what appears and disappears within this number of frames; 0: nothing"},
     });

@@ -29,13 +29,13 @@ std::vector<SampledCurve> sample_all(const AttributeGraph& graph) {
 
 // The squared length that a pair saves against fading both, times its weight.
 std::vector<Candidate> find_candidates(const std::vector<SampledCurve>& a, const std::vector<SampledCurve>& b,
-                                       const MorphOptions& options, const core::Context& context) {
+                                       const core::Context& context) {
   std::vector<std::vector<Candidate>> rows(a.size());
   core::parallel_for(a.size(), context, [&](std::size_t i) {
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const auto path = find_path(a[i], b[j], options.level_weight, options.farthest);
+      const auto path = find_path(a[i], b[j]);
       if (!path) continue;
-      const double saved = options.farthest * options.farthest - path->length * path->length;
+      const double saved = kFarthestMove * kFarthestMove - path->length * path->length;
       if (saved > 0)
         rows[i].push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j),
                            saved * (a[i].length + b[j].length) / 2});
@@ -48,16 +48,15 @@ std::vector<Candidate> find_candidates(const std::vector<SampledCurve>& a, const
 
 }  // namespace
 
-CurvePairs pair_curves(const AttributeGraph& from, const AttributeGraph& to, const MorphOptions& options,
-                       const core::Context& context) {
+CurvePairs pair_curves(const AttributeGraph& from, const AttributeGraph& to, const core::Context& context) {
   const auto a = sample_all(from), b = sample_all(to);
-  const auto chosen = assign(find_candidates(a, b, options, context));
+  const auto chosen = assign(find_candidates(a, b, context));
   CurvePairs result;
   std::vector<bool> paired_a(a.size()), paired_b(b.size());
   double sum = 0, weight = 0;
   for (const auto& [i, j] : chosen) {
     paired_a[i] = paired_b[j] = true;
-    result.paths.push_back(*find_path(a[i], b[j], options.level_weight, options.farthest));
+    result.paths.push_back(*find_path(a[i], b[j]));
     sum += (a[i].length + b[j].length) / 2 * result.paths.back().length * result.paths.back().length;
   }
   const auto take_rest = [&](const std::vector<SampledCurve>& all, const std::vector<bool>& paired,
@@ -65,7 +64,7 @@ CurvePairs pair_curves(const AttributeGraph& from, const AttributeGraph& to, con
     for (std::size_t i = 0; i < all.size(); ++i) {
       weight += all[i].length / 2;
       if (paired[i]) continue;
-      sum += all[i].length / 2 * options.farthest * options.farthest;
+      sum += all[i].length / 2 * kFarthestMove * kFarthestMove;
       rest.push_back(all[i]);
     }
   };

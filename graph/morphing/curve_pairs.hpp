@@ -18,7 +18,6 @@ struct CurvePairs {
 };
 
 /// Pairs the curves of two graphs so that Morph::length is least. Errors as for morph().
-CurvePairs pair_curves(const AttributeGraph& from, const AttributeGraph& to, const MorphOptions& options,
-                       const core::Context& context);
+CurvePairs pair_curves(const AttributeGraph& from, const AttributeGraph& to, const core::Context& context);
 
 }  // namespace emberfold::graph::detail

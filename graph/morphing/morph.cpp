@@ -219,7 +219,7 @@ Morph morph(const AttributeGraph& from, const AttributeGraph& to, int width, int
   check_frame_size(width, height, fps);
   const AttributeGraph first = without_anchors(from), last = without_anchors(to);
   check_amount(first, last, options.frames);
-  const auto pairs = detail::pair_curves(first, last, options, context);
+  const auto pairs = detail::pair_curves(first, last, context);
   const Troupe troupe = find_troupe(pairs);
   Morph result;
   result.length = pairs.length;

@@ -14,19 +14,13 @@ namespace emberfold::graph {
 /// Options of morph.
 struct MorphOptions {
   int frames = 30;
-  double farthest = 200;
-  double level_weight = 0.1;
 
   /// Returns what checks, help and docstrings say of the fields.
   static auto fields() {
-    using core::above, core::between;
+    using core::between;
     return std::to_array<core::OptionField<MorphOptions>>({
         {"frames", &MorphOptions::frames, "N", between(3, 10000),
          "Draw this many frames of a morph, both ends included"},
-        {"farthest", &MorphOptions::farthest, "PX", above(0, 1e6),
-         "Let strokes fade rather than move so far"},
-        {"level_weight", &MorphOptions::level_weight, "PX", between(0, 100),
-         "Count a change by one grey level as a motion by so much"},
     });
   }
   /// Throws InputError naming field, value and range.
@@ -47,7 +41,7 @@ struct Morph {
 /// Curves of both graphs are paired, each with at most one, so that the whole path is shortest. A pair's
 /// middle, length, directions and looks change evenly; where arms meet in both graphs at one junction, they
 /// stay joined. Curves without partner fade out in the first half, or in in the second. The length is the
-/// root mean square, over the curves' length, of how far their points go; fading counts as `farthest`. It is
+/// root mean square, over the curves' length, of how far their points go; fading counts as 200 px. It is
 /// 0 for equal graphs and the same in both directions; the reversed path is the path between the exchanged
 /// graphs. `width`, `height`, `fps`: of the result. Throws InputError for invalid options, for a size or rate
 /// that is not positive, and for more than 4000 curves in a graph; Cancelled. O(curves² patches + curves³).

@@ -64,7 +64,8 @@ void find_turns(StrokePath& path) {
   for (double& t : path.turns) t -= excess;
 }
 
-double look_change(const StrokePath& path, double level_weight) {
+double look_change(const StrokePath& path) {
+  constexpr double kLevelWeight = 0.1;  // px that a change by one grey level counts
   double sum = 0;
   for (std::size_t i = 0; i < path.from.size(); ++i) {
     const Patch &a = path.from.patches[i], &b = path.to.patches[i];
@@ -72,12 +73,12 @@ double look_change(const StrokePath& path, double level_weight) {
     for (const auto side : {&Patch::left, &Patch::middle, &Patch::right})
       for (std::size_t c = 0; c < (a.*side).size(); ++c)
         levels += squared(double{(a.*side)[c]} - double{(b.*side)[c]});
-    sum += squared(level_weight) * levels / 9 + squared(a.width - b.width) + squared(a.blur - b.blur);
+    sum += squared(kLevelWeight) * levels / 9 + squared(a.width - b.width) + squared(a.blur - b.blur);
   }
   return sum / static_cast<double>(path.from.size());
 }
 
-double path_length(const StrokePath& path, double level_weight) {
+double path_length(const StrokePath& path) {
   const auto a = piece_shares(path.from), b = piece_shares(path.to);
   double turning = 0;
   for (std::size_t i = 0; i < a.size(); ++i) turning += (a[i] + b[i]) / 2 * squared(path.turns[i]);
@@ -86,17 +87,16 @@ double path_length(const StrokePath& path, double level_weight) {
   const Point shift = path.to.centre - path.from.centre;
   // Points of a straight line of length L lie L/√12 from its middle (root mean square).
   const double reach = path.from.length * path.to.length / 12;
-  return std::sqrt(dot(shift, shift) + reach * (turning + squared(stretch)) +
-                   look_change(path, level_weight));
+  return std::sqrt(dot(shift, shift) + reach * (turning + squared(stretch)) + look_change(path));
 }
 
-StrokePath join_curves(const SampledCurve& a, const SampledCurve& b, double level_weight) {
+StrokePath join_curves(const SampledCurve& a, const SampledCurve& b) {
   StrokePath path;
   path.closed = a.closed && b.closed;
   path.from = a.size() < b.size() ? resample(a, b.at) : a;
   path.to = b.size() < a.size() ? resample(b, a.at) : b;
   find_turns(path);
-  path.length = path_length(path, level_weight);
+  path.length = path_length(path);
   return path;
 }
 
@@ -106,11 +106,10 @@ void keep_shorter(std::optional<StrokePath>& best, StrokePath path) {
 }
 
 // Steps have a direction of their own, lines none.
-void try_directions(std::optional<StrokePath>& best, const SampledCurve& a, const SampledCurve& b,
-                    double level_weight) {
-  keep_shorter(best, join_curves(a, b, level_weight));
+void try_directions(std::optional<StrokePath>& best, const SampledCurve& a, const SampledCurve& b) {
+  keep_shorter(best, join_curves(a, b));
   if (a.kind == CurveKind::bright || a.kind == CurveKind::dark)
-    keep_shorter(best, join_curves(a, reverse_curve(b), level_weight));
+    keep_shorter(best, join_curves(a, reverse_curve(b)));
 }
 
 std::vector<double> mix_numbers(const std::vector<double>& a, const std::vector<double>& b, double share) {
@@ -121,19 +120,18 @@ std::vector<double> mix_numbers(const std::vector<double>& a, const std::vector<
 
 }  // namespace
 
-std::optional<StrokePath> find_path(const SampledCurve& a, const SampledCurve& b, double level_weight,
-                                    double farthest) {
-  if (a.kind != b.kind || (a.size() == 1) != (b.size() == 1) || distance(a.centre, b.centre) >= farthest)
+std::optional<StrokePath> find_path(const SampledCurve& a, const SampledCurve& b) {
+  if (a.kind != b.kind || (a.size() == 1) != (b.size() == 1) || distance(a.centre, b.centre) >= kFarthestMove)
     return std::nullopt;
   std::optional<StrokePath> best;
   const bool turn_a = a.closed && (!b.closed || a.size() < b.size());
   if (turn_a)
-    for (std::size_t k = 0; k + 1 < a.size(); ++k) try_directions(best, begin_at(a, k), b, level_weight);
+    for (std::size_t k = 0; k + 1 < a.size(); ++k) try_directions(best, begin_at(a, k), b);
   else if (b.closed)
-    for (std::size_t k = 0; k + 1 < b.size(); ++k) try_directions(best, a, begin_at(b, k), level_weight);
+    for (std::size_t k = 0; k + 1 < b.size(); ++k) try_directions(best, a, begin_at(b, k));
   else
-    try_directions(best, a, b, level_weight);
-  if (best->length >= farthest) return std::nullopt;
+    try_directions(best, a, b);
+  if (best->length >= kFarthestMove) return std::nullopt;
   return best;
 }
 

@@ -8,6 +8,9 @@
 
 namespace emberfold::graph::detail {
 
+/// px: strokes fade rather than move so far.
+inline constexpr double kFarthestMove = 200;
+
 /// The shortest path from a curve to another in the space of curves (docs/method/morphing.md).
 /// A curve is its middle, its length, and its direction and speed along it; in these numbers the space is
 /// flat, so every one of them changes evenly.
@@ -22,9 +25,8 @@ struct StrokePath {
 };
 
 /// Finds the shortest path over both directions of a line, and over all beginnings of a ring.
-/// `level_weight`: px that a change by one grey level counts; `farthest`: px. Nothing for curves of different
-/// kinds and for paths of `farthest` or more. O(patches), of a ring O(patches²).
-std::optional<StrokePath> find_path(const SampledCurve& a, const SampledCurve& b, double level_weight,
-                                    double farthest);
+/// Nothing for curves of different kinds and for paths of kFarthestMove or more. O(patches), of a ring
+/// O(patches²).
+std::optional<StrokePath> find_path(const SampledCurve& a, const SampledCurve& b);
 
 }  // namespace emberfold::graph::detail

@@ -22,6 +22,9 @@ namespace emberfold::mcmc {
 
 namespace {
 
+constexpr int kSamples = 5;       // states that a chain keeps, evenly spread over its sweeps
+constexpr double kProposals = 8;  // moves for each candidate in a sweep
+
 /// Step sizes of the stochastic approximation: whole steps, then ever smaller ones (Delyon, Lavielle,
 /// Moulines 1999).
 double step_size(int sweep, int burn_in) {
@@ -66,7 +69,7 @@ class Chains {
       chains_.emplace_back(std::move(state), theta, seed, static_cast<std::uint32_t>(chains_.size()));
   }
   void sweep(int number, const InferOptions& options, const core::Context& context) {
-    for (Chain& chain : chains_) chain.sweep(options.proposals, context);
+    for (Chain& chain : chains_) chain.sweep(kProposals, context);
     if (number < options.burn_in) learn(step_size(number, options.burn_in));
   }
   [[nodiscard]] std::size_t size() const { return chains_.size(); }
@@ -134,17 +137,14 @@ HiddenGraph without_patches(HiddenGraph state) {
 
 /// Of `sweeps` after burn-in the last of each part is a sample.
 bool is_sample(int sweep, const InferOptions& options) {
-  const int kept = sweep - options.burn_in + 1;
-  return kept > 0 && kept * options.samples / options.sweeps > (kept - 1) * options.samples / options.sweeps;
+  const int kept = sweep - options.burn_in + 1, samples = std::min(kSamples, options.sweeps);
+  return kept > 0 && kept * samples / options.sweeps > (kept - 1) * samples / options.sweeps;
 }
 
 }  // namespace
 
 void InferOptions::validate() const {
   core::check_fields("InferOptions", *this);
-  if (samples > sweeps)
-    throw core::InputError("InferOptions.samples is " + std::to_string(samples) +
-                           "; allowed is up to the number of sweeps, " + std::to_string(sweeps));
 }
 
 InferResult infer(std::span<const graph::MotionGraph> starts, const MotionModel& learned,

@@ -19,8 +19,6 @@ namespace emberfold::mcmc {
 struct InferOptions {
   int sweeps = 20;
   int burn_in = 20;
-  int samples = 5;  ///< at most `sweeps`, evenly spread over them
-  double proposals = 8;
   bool from_nothing = false;
 
   /// Returns what checks, help and docstrings say of the fields.
@@ -30,10 +28,6 @@ struct InferOptions {
         {"sweeps", &InferOptions::sweeps, "N", between(1, 100000), "Sweeps of each chain after burn-in"},
         {"burn_in", &InferOptions::burn_in, "N", between(1, 100000),
          "Sweeps of each chain before states are kept, in which the parameters are learned"},
-        {"samples", &InferOptions::samples, "N", between(1, 100000),
-         "Number of states that each chain keeps; at most the number of sweeps"},
-        {"proposals", &InferOptions::proposals, "N", between(0.01, 1000),
-         "Proposed moves for each patch in a sweep"},
         {"from_nothing", &InferOptions::from_nothing, "", kOnOff,
          "Start one more chain without any patch, as a judge of the others"},
     });
@@ -56,7 +50,9 @@ struct MoveSum {
 
 /// Holds the samples of the posterior and how the sampler ran.
 struct InferResult {
-  std::vector<graph::MotionGraph> samples;  ///< of all chains, one chain after another; strokes identified
+  /// Of all chains, one chain after another, five of each, or as many as there are sweeps; strokes
+  /// identified.
+  std::vector<graph::MotionGraph> samples;
   int chains = 0;
   int burn_in = 0;  ///< number of the traces' first values
   std::vector<Trace> traces;

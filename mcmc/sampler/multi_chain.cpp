@@ -12,7 +12,7 @@ MultiChainResult sample_chains(std::span<const graph::MotionGraph> starts, const
   MultiChainResult result;
   const MotionModel learned = fit(starts.front(), {seed, false}, context.with_progress({})).model;
   result.sampler = infer(starts, learned, SketchEvidence{}, options, seed, context);
-  const auto each = static_cast<std::size_t>(options.samples);
+  const auto each = result.sampler.samples.size() / static_cast<std::size_t>(result.sampler.chains);
   for (std::size_t k = 0; k < starts.size(); ++k)
     result.last.push_back(result.sampler.samples[(k + 1) * each - 1]);
   result.fitted = fit(result.last, {seed, true}, context);

@@ -30,7 +30,6 @@ struct StrokeModel {
   sketch::Background ground, drawn_ground;                  // likewise
   std::vector<graph::AttributeGraph> sketches;              // of every frame
   std::map<int, std::vector<graph::AttributeGraph>> ahead;  // by steps: the predicted graph for every frame
-  sketch::FillOptions fill;
   core::ClipInfo info;
   float level = 0;                // of a drawn frame without content
   sketch::Sharpening sharpening;  // of drawn clips
@@ -41,7 +40,7 @@ struct StrokeModel {
     return all[static_cast<std::size_t>(past.frame + steps)];
   }
   [[nodiscard]] sketch::RenderOptions look(float empty_level, const sketch::Background& around) const {
-    return {{info.width, info.height}, info.channels, empty_level, fill, around};
+    return {{info.width, info.height}, info.channels, empty_level, around};
   }
   // Returns the options for drawing a clip.
   [[nodiscard]] sketch::RenderOptions drawn_look() const {
@@ -127,7 +126,7 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
   const auto& [sketch, grounds] = input.sketched;
   const core::Context& context = input.context;
   StrokeModel strokes;
-  strokes.fill = input.options.fill, strokes.info = input.source.info();
+  strokes.info = input.source.info();
   strokes.ground =
       sketch::estimate_background(std::span(grounds).first(static_cast<std::size_t>(input.learned_frames)));
   core::ClipRange learned_part(input.source, 0, input.learned_frames);

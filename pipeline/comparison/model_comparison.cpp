@@ -133,10 +133,10 @@ ModelComparison compare_models(core::FrameSource& source, const CompareOptions& 
   Drawing drawing{out.drawn_frames, SourceMeasures(size, out.scale, out.frames), {}, {}};
   drawing.clips = begin_clips(models, info, ClipMeasures(size, out.scale, out.drawn_frames), options);
   announce(observer, info, drawing);
-  draw_all(source, drawing, options.strokes, context, observer);
+  draw_all(source, drawing, options.in_full, context, observer);
   mcmc::StrokeSeries series;
-  if (options.strokes) series = stroke_series(sketched.sketch, options.match, context);
-  add_results(drawing, options.strokes ? &series : nullptr, context, out);
+  if (options.in_full) series = stroke_series(sketched.sketch, options.match, context);
+  add_results(drawing, options.in_full ? &series : nullptr, context, out);
   if (options.curve) out.size_curve = measure_size_curve(input, drawing.source.all, out.scale);
   return out;
 }

@@ -18,7 +18,6 @@ from ._native import (
     ClipSynthesisOptions,
     CompareOptions,
     ExtractOptions,
-    FillOptions,
     InferOptions,
     InputError,
     IoError,
@@ -41,7 +40,7 @@ from .shown import show_compiled
 
 __all__ = [
     "AnalyzeOptions", "CalibrateOptions", "Cancelled", "Clip", "ClipModel", "ClipSynthesisOptions", "CompareOptions",
-    "Comparison", "ExtractOptions", "FillOptions", "InferOptions", "InputError", "IoError", "MatchOptions", "ModelComparison",
+    "Comparison", "ExtractOptions", "InferOptions", "InputError", "IoError", "MatchOptions", "ModelComparison",
     "MotionGraph", "MotionModel", "NumericalError", "OperatorRates", "QuiltOptions", "Run", "SketchSequence", "StartOptions", "analyze",
     "compare", "compare_models", "dytex", "graph", "mcmc", "measure_quilt", "measures", "open", "quilt", "rates", "read_run", "render_quilt",
     "sketch", "write_video",

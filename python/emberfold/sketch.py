@@ -7,12 +7,12 @@ from typing import Any, Sequence, Tuple
 import numpy as np
 
 from . import _native
-from ._native import (ExtractOptions, FillOptions, NonsketchableFillOptions, SketchSequence, add_anchors, draw_patches,
+from ._native import (ExtractOptions, NonsketchableFillOptions, SketchSequence, add_anchors, draw_patches,
                       estimate_noise)
 from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
-__all__ = ["ExtractOptions", "FillOptions", "NonsketchableFillOptions", "SketchSequence", "add_anchors", "draw_morph", "draw_patches",
+__all__ = ["ExtractOptions", "NonsketchableFillOptions", "SketchSequence", "add_anchors", "draw_morph", "draw_patches",
            "estimate_noise", "extract", "fill", "fill_nonsketchable", "make_heat_film", "reconstruct", "sketch_clip"]
 
 
@@ -25,9 +25,9 @@ def extract(levels: np.ndarray, **options: Any) -> SketchSequence:
     return _native.extract(levels, ExtractOptions(**options))
 
 
-def fill(levels: np.ndarray, mask: np.ndarray, **options: Any) -> np.ndarray:
-    """Fills the pixels where `mask` is 0 by diffusion; arguments are the fields of FillOptions."""
-    return _native.fill(levels, _bytes(mask), FillOptions(**options))
+def fill(levels: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Fills the pixels where `mask` is 0 by diffusion."""
+    return _native.fill(levels, _bytes(mask))
 
 
 def fill_nonsketchable(observed: np.ndarray, drawn: Tuple[np.ndarray, np.ndarray], *, progress: Progress = None,
@@ -44,17 +44,16 @@ def make_heat_film(levels: np.ndarray, mask: np.ndarray, steps: Sequence[int], *
         return _native.make_heat_film(levels, _bytes(mask), list(steps), report)
 
 
-def draw_morph(morph: _native.Morph, *, channels: int = 3, empty: Tuple[float, float] = (0, 0), progress: Progress = None,
-               **options: Any) -> np.ndarray:
-    """Draws the frames of a morph, uint8; a first and last frame without strokes have the levels `empty`. Arguments are the
-    fields of FillOptions."""
+def draw_morph(morph: _native.Morph, *, channels: int = 3, empty: Tuple[float, float] = (0, 0),
+               progress: Progress = None) -> np.ndarray:
+    """Draws the frames of a morph, uint8; a first and last frame without strokes have the levels `empty`."""
     with reporter(progress) as report:
-        return _native.draw_morph(morph, channels, empty, FillOptions(**options), report)
+        return _native.draw_morph(morph, channels, empty, report)
 
 
-def reconstruct(levels: np.ndarray, sketch: SketchSequence, **options: Any) -> np.ndarray:
-    """Draws a frame again from its sketch, the rest by diffusion; arguments are the fields of FillOptions."""
-    return _native.reconstruct(levels, sketch, FillOptions(**options))
+def reconstruct(levels: np.ndarray, sketch: SketchSequence) -> np.ndarray:
+    """Draws a frame again from its sketch, the rest by diffusion."""
+    return _native.reconstruct(levels, sketch)
 
 
 def sketch_clip(clip: ClipLike, *, progress: Progress = None, **options: Any) -> SketchSequence:

@@ -127,7 +127,6 @@ void bind_compare(py::module_& module) {
   OptionsClass<Options>(module, "CompareOptions", "pipeline::CompareOptions")
       .field("sketch", &Options::sketch)
       .field("match", &Options::match)
-      .field("fill", &Options::fill)
       .field("learn", &Options::learn)
       .described_fields()
       .finish();

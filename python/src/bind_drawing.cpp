@@ -101,7 +101,6 @@ void bind_options(py::module_& module) {
   using Fill = sketch::NonsketchableFillOptions;
   OptionsClass<Fill>(module, "NonsketchableFillOptions", "sketch::NonsketchableFillOptions")
       .field("kind", &Fill::kind)
-      .field("fill", &Fill::fill)
       .field("texture", &Fill::texture)
       .field("julesz", &Fill::julesz)
       .field("efros_leung", &Fill::efros_leung)
@@ -112,9 +111,8 @@ void bind_options(py::module_& module) {
 void bind_morph_drawing(py::module_& module) {
   module.def(
       "draw_morph",
-      [](const graph::Morph& morph, int channels, std::pair<float, float> empty,
-         const sketch::FillOptions& fill, const py::object& progress) {
-        const sketch::MorphLook look{channels, empty.first, empty.second, fill};
+      [](const graph::Morph& morph, int channels, std::pair<float, float> empty, const py::object& progress) {
+        const sketch::MorphLook look{channels, empty.first, empty.second};
         return to_array(call(progress, [&](const core::Context& context) {
           std::vector<cv::Mat> frames;
           sketch::draw_morph(
@@ -123,7 +121,7 @@ void bind_morph_drawing(py::module_& module) {
         }));
       },
       py::arg("morph"), py::arg("channels") = 3, py::arg("empty") = std::pair{0.0F, 0.0F},
-      py::arg("fill") = sketch::FillOptions{}, py::arg("progress") = py::none(), doc("sketch::draw_morph"));
+      py::arg("progress") = py::none(), doc("sketch::draw_morph"));
 }
 
 }  // namespace

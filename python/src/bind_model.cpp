@@ -124,7 +124,6 @@ void bind_model_options(py::module_& module) {
       .field("start", &Options::start)
       .field("speed", &Options::speed)
       .field("loop", &Options::loop)
-      .field("fill", &Options::fill)
       .finish();
 }
 

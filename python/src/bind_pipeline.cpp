@@ -33,7 +33,6 @@ void bind_options(py::module_& module) {
   OptionsClass<Options>(module, "AnalyzeOptions", "pipeline::AnalyzeOptions")
       .field("sketch", &Options::sketch)
       .field("match", &Options::match)
-      .field("fill", &Options::fill)
       .field("starts", &Options::starts)
       .field("infer", &Options::infer)
       .field("calibrate", &Options::calibrate)

@@ -17,7 +17,6 @@ namespace {
 void bind_options(py::module_& module) {
   using Extract = sketch::ExtractOptions;
   OptionsClass<Extract>(module, "ExtractOptions", "sketch::ExtractOptions").described_fields().finish();
-  OptionsClass<sketch::FillOptions>(module, "FillOptions", "sketch::FillOptions").described_fields().finish();
 }
 
 Sketch extract(const py::array& levels, const sketch::ExtractOptions& options) {
@@ -29,22 +28,19 @@ Sketch extract(const py::array& levels, const sketch::ExtractOptions& options) {
   }));
 }
 
-py::array fill(const py::array& levels, const py::array& mask, const sketch::FillOptions& options) {
+py::array fill(const py::array& levels, const py::array& mask) {
   const cv::Mat frame = to_levels(levels, "levels"), held = to_mask(mask, "mask");
-  const auto filled =
-      call(py::none(), [&](const core::Context&) { return sketch::fill(frame, held, options); });
+  const auto filled = call(py::none(), [&](const core::Context&) { return sketch::fill(frame, held); });
   return to_array(filled.levels);
 }
 
-py::array reconstruct(const py::array& levels, const Sketch& sketch, const sketch::FillOptions& options) {
+py::array reconstruct(const py::array& levels, const Sketch& sketch) {
   const cv::Mat frame = to_levels(levels, "levels");
   if (sketch.graphs->frames.size() != 1)
     throw py::value_error("sketch has " + std::to_string(sketch.graphs->frames.size()) +
                           " frames; allowed is 1");
   return to_array(call(py::none(), [&](const core::Context&) {
-    return pipeline::reconstruct(frame, sketch.graphs->frames.front(), pipeline::PatchDrawing::fitted,
-                                 options)
-        .bytes;
+    return pipeline::reconstruct(frame, sketch.graphs->frames.front(), pipeline::PatchDrawing::fitted).bytes;
   }));
 }
 
@@ -54,10 +50,8 @@ void bind_sketch(py::module_& module) {
   bind_options(module);
   module.def("extract", extract, py::arg("levels"), py::arg("options") = sketch::ExtractOptions{},
              doc("sketch::extract"));
-  module.def("fill", fill, py::arg("levels"), py::arg("mask"), py::arg("options") = sketch::FillOptions{},
-             doc("sketch::fill"));
-  module.def("reconstruct", reconstruct, py::arg("levels"), py::arg("sketch"),
-             py::arg("options") = sketch::FillOptions{}, doc("pipeline::reconstruct"));
+  module.def("fill", fill, py::arg("levels"), py::arg("mask"), doc("sketch::fill"));
+  module.def("reconstruct", reconstruct, py::arg("levels"), py::arg("sketch"), doc("pipeline::reconstruct"));
   module.def(
       "estimate_noise", [](const py::array& luma) { return sketch::estimate_noise(to_levels(luma, "luma")); },
       py::arg("luma"), doc("sketch::estimate_noise"));

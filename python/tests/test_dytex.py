@@ -67,23 +67,23 @@ def test_quilts_copy_pixels_of_their_source():
 
 def test_comparisons():
     clip = ripples(frames=32)
-    same = ef.compare(clip, clip, strokes=False)
+    same = ef.compare(clip, clip)
     assert (same.table["distance"].dropna() == 0).all() and same.psnr == 100
-    other = ef.compare(clip, ef.dytex.learn(clip, components=6).synthesize(32), strokes=False)
+    other = ef.compare(clip, ef.dytex.learn(clip, components=6).synthesize(32))
     assert (other.table["distance"].dropna() > 0).any() and len(other.table) == len(same.table)
-    models = ef.compare_models(clip, hybrid=False, star=False, strokes=False)
+    models = ef.compare_models(clip)
     assert "noise_floor" in models.table and len(models.predictions)
 
 
 def test_comparisons_tell_what_a_person_sees():
     clip = ripples(frames=32)
-    visible = ef.compare(clip, clip, strokes=False).visible
+    visible = ef.compare(clip, clip).visible
     assert list(visible.index) == ["complete", "coherent", "flow", "variance", "difference", "copied", "moves_alike", "apart"]
     assert visible.loc["copied", "value"] == 1 and bool(visible.loc["moves_alike", "value"])
     still = np.repeat(clip[:1], 32, axis=0)
-    frozen = ef.compare(clip, still, strokes=False).visible["value"]
+    frozen = ef.compare(clip, still).visible["value"]
     assert frozen["variance"] == 0 and frozen["difference"] == 0 and not frozen["moves_alike"]
-    models = ef.compare_models(clip, hybrid=False, star=False, strokes=False)
+    models = ef.compare_models(clip)
     assert {"copied", "moves_alike"} <= set(models.visible.index) and set(models.parameters.index) <= set(models.visible)
     assert (models.parameters > 0).all()
 

@@ -169,7 +169,8 @@ void check_background(const cv::Mat& levels, const cv::Mat& background, double r
 }  // namespace
 
 void FillOptions::validate() const {
-  core::check_fields("FillOptions", *this);
+  core::check_above("FillOptions.tolerance", tolerance, 0);
+  core::check_at_least("FillOptions.max_iterations", max_iterations, 1);
 }
 
 FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& options) {
@@ -184,9 +185,7 @@ FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& o
   return diffuse(levels, mask, 0, options);
 }
 
-FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& background, double reach,
-                     const FillOptions& options) {
-  options.validate();
+FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& background, double reach) {
   check_levels_and_mask("fill", levels, mask);
   check_background(levels, background, reach);
   const int count = cv::countNonZero(mask);
@@ -195,7 +194,7 @@ FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& 
     check_held(levels, mask);
     return {levels.clone()};
   }
-  FillResult result = diffuse(levels - background, mask, 1 / (reach * reach), options);
+  FillResult result = diffuse(levels - background, mask, 1 / (reach * reach), {});
   result.levels += background;
   levels.copyTo(result.levels, mask);
   return result;

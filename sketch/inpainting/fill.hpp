@@ -1,29 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-
 #include <opencv2/core/mat.hpp>
-
-#include "core/option_field.hpp"
 
 namespace emberfold::sketch {
 
 /// Holds when the solver of fill() stops.
 struct FillOptions {
-  double tolerance = 0.03;
-  int max_iterations = 100;
-
-  /// Returns what checks, help and docstrings say of the fields.
-  static auto fields() {
-    using core::above, core::at_least;
-    return std::to_array<core::OptionField<FillOptions>>({
-        {"tolerance", &FillOptions::tolerance, "LEVELS", above(0),
-         "Stop the solver at this estimated largest error (grey levels)"},
-        {"max_iterations", &FillOptions::max_iterations, "N", at_least(1),
-         "Stop the solver after this many iterations"},
-    });
-  }
+  double tolerance = 0.03;   ///< grey levels, > 0: estimate of the largest error
+  int max_iterations = 100;  ///< ≥ 1
   /// Throws core::InputError naming field, value and range.
   void validate() const;
 };
@@ -48,7 +33,6 @@ FillResult fill(const cv::Mat& levels, const cv::Mat& mask, const FillOptions& o
 /// insulated border). Beside the held pixels the background takes their level; some `reach` px away it is
 /// itself again, and its texture is kept everywhere. `background`: of the levels' size and type, finite;
 /// reach: 1…10⁴ px; the rest, and the errors, as for fill(). With nothing held the frame is the background.
-FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& background, double reach,
-                     const FillOptions& options = {});
+FillResult fill_onto(const cv::Mat& levels, const cv::Mat& mask, const cv::Mat& background, double reach);
 
 }  // namespace emberfold::sketch

@@ -42,7 +42,6 @@ class ProposalBuilder {
 
   [[nodiscard]] const EditableGraph& draft() const { return draft_; }
   [[nodiscard]] double spacing() const { return refinement_.spacing; }
-  [[nodiscard]] const cv::Mat& levels() const { return levels_; }
 
   /// Fits a patch of the same kind at another place or a little beside it, with its cost and gain. None if
   /// the patch there is of another kind or has less than half of `contrast`.
@@ -90,9 +89,9 @@ std::vector<Slot> stroke_tail(const EditableGraph& draft, Slot end);
 /// Returns the median of the patches' |contrast|.
 double median_contrast(const EditableGraph& draft, const std::vector<Slot>& slots);
 
-void propose_at_ends(ProposalBuilder& editor);                  // proposals_ends.cpp
-void propose_meetings(ProposalBuilder& editor);                 // proposals_junctions.cpp
-void propose_for_strokes(ProposalBuilder& editor, bool blobs);  // proposals_strokes.cpp
+void propose_at_ends(ProposalBuilder& editor);      // proposals_ends.cpp
+void propose_meetings(ProposalBuilder& editor);     // proposals_junctions.cpp
+void propose_for_strokes(ProposalBuilder& editor);  // proposals_strokes.cpp
 void propose_offered(ProposalBuilder& editor, const graph::AttributeGraph& offered);  // proposals_offered.cpp
 
 }  // namespace emberfold::sketch

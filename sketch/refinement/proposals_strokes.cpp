@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole strokes go, are cut where they fade, become a bar together, or a blob.
+// Whole strokes go, are cut where they fade, or become a bar together.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
-#include "sketch/patches/blob.hpp"
 #include "sketch/refinement/proposals.hpp"
 
 namespace emberfold::sketch {
@@ -45,29 +44,6 @@ void cut_faded(ProposalBuilder& editor, const std::vector<Slot>& stroke) {
     GraphEdit edit;
     remove_patch(edit, draft, stroke[i]);
     editor.propose(std::move(edit), {stroke[i - 1], stroke[i], stroke[i + 1]});
-  }
-}
-
-/// A short stroke that stands alone becomes a blob, or an isolated patch does.
-void become_blob(ProposalBuilder& editor, const std::vector<Slot>& stroke) {
-  constexpr double kLongest = 14;  // px
-  const EditableGraph& draft = editor.draft();
-  if (!ends_free(draft, stroke) || stroke.size() > 4 ||
-      draft.patch(stroke.front()).type == graph::PatchType::blob)
-    return;
-  Point middle;
-  for (const Slot slot : stroke)
-    middle = middle + draft.patch(slot).position * (1.0 / static_cast<double>(stroke.size()));
-  const double length =
-      graph::distance(draft.patch(stroke.front()).position, draft.patch(stroke.back()).position);
-  if (length > kLongest) return;
-  const cv::Point centre(static_cast<int>(std::lround(middle.x)), static_cast<int>(std::lround(middle.y)));
-  for (const double reach : {3.0, 6.0, 9.0}) {
-    const Patch blob = editor.with_coding_cost(fit_blob(editor.levels(), centre, reach));
-    GraphEdit edit;
-    for (const Slot slot : stroke) remove_patch(edit, draft, slot);
-    edit.add_patches.emplace_back(draft.slots(), blob);
-    editor.propose(std::move(edit), stroke);
   }
 }
 
@@ -139,18 +115,16 @@ void become_bar(ProposalBuilder& editor, const std::vector<Slot>& stroke,
 
 }  // namespace
 
-void propose_for_strokes(ProposalBuilder& editor, bool blobs) {
+void propose_for_strokes(ProposalBuilder& editor) {
   const auto all = find_strokes(editor.draft());
   std::vector<std::size_t> stroke_of(editor.draft().slots(), all.size());
   for (std::size_t i = 0; i < all.size(); ++i)
     for (const Slot slot : all[i])
       if (editor.draft().degree(slot) <= 2) stroke_of[slot] = i;
   for (const auto& stroke : all) {
-    if (editor.draft().patch(stroke.front()).type == graph::PatchType::blob) continue;
     remove_stroke(editor, stroke);
     cut_faded(editor, stroke);
     become_bar(editor, stroke, stroke_of, all);
-    if (blobs) become_blob(editor, stroke);
   }
 }
 

@@ -148,7 +148,7 @@ class Pursuer {
     blobs_.clear();
     for (Item& item : waiting_)
       if (const double score = score_of(item); score > 0) offers.push_back({kStrokesFirst * score, &item});
-    if (pursuit_.blobs) offer_blobs(offers);
+    offer_blobs(offers);
     std::stable_sort(offers.begin(), offers.end(),
                      [](const Offer& a, const Offer& b) { return a.score > b.score; });
     fresh_ = cv::Mat1b(luma_.size(), 0);

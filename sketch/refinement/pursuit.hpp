@@ -11,7 +11,6 @@ namespace emberfold::sketch {
 struct PursuitOptions {
   double noise = 1;   ///< grey levels, > 0: SD of the pixel noise
   double budget = 1;  ///< (0, 1]: share of the frame's pixels that patches may show
-  bool blobs = true;  ///< blobs too, where no stroke pays
 };
 
 /// Runs phase I of the sketch pursuit (Guo, Zhu & Wu 2007), with the fill for places without patches. From

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/math/cell_grid.hpp"
+#include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::sketch {
 
@@ -48,7 +49,7 @@ class CoarseFill {
     if (!background.empty()) near_ = spread_maximum(ranks);
   }
   /// Fills from the pixels of a higher rank.
-  [[nodiscard]] cv::Mat above(int rank, float empty_level, const sketch::FillOptions& options) const {
+  [[nodiscard]] cv::Mat above(int rank, float empty_level) const {
     const cv::Mat left = ranks_ > rank;
     cv::Mat held = left, weight, weights, levels, seen;
     part_.levels.copyTo(seen, left);
@@ -67,7 +68,7 @@ class CoarseFill {
     const cv::Mat known = weight > 0.05;
     if (cv::countNonZero(known) == 0)
       return {levels.size(), levels.type(), cv::Scalar::all(static_cast<double>(empty_level))};
-    return sketch::fill(levels, known, options).levels;
+    return sketch::fill(levels, known).levels;
   }
 
  private:
@@ -94,16 +95,16 @@ void blend(sketch::Sketchable& part, const cv::Mat& opacity, const cv::Mat& from
 }  // namespace
 
 void blend_with_fill(sketch::Sketchable& part, const cv::Mat& opacity, const BackgroundImage& background,
-                     float empty_level, const sketch::FillOptions& options) {
+                     float empty_level) {
   const cv::Mat ranks = ranks_of(part.mask, opacity);
   const CoarseFill fill(part, ranks, background);
   std::array<std::size_t, fade_steps + 3> counts{};
   std::for_each(ranks.begin<uchar>(), ranks.end<uchar>(), [&](uchar rank) { ++counts[rank]; });
-  const cv::Mat all = fill.above(0, empty_level, options);
+  const cv::Mat all = fill.above(0, empty_level);
   cv::Mat sum = cv::Mat::zeros(all.size(), all.type()), level = all;
   for (int k = 0; k <= fade_steps; ++k) {  // between the shares that a fade goes through
     const int rank = k + 1;
-    if (counts[static_cast<std::size_t>(rank)] > 0) level = fill.above(rank, empty_level, options);
+    if (counts[static_cast<std::size_t>(rank)] > 0) level = fill.above(rank, empty_level);
     sum += level * (k == 0 || k == fade_steps ? 0.5 / fade_steps : 1.0 / fade_steps);
   }
   cv::Mat from, whole;

@@ -4,7 +4,6 @@
 #include <opencv2/core/mat.hpp>
 
 #include "sketch/background/still_background.hpp"
-#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/render.hpp"
 
 // The levels of patches that fade in or out.
@@ -19,7 +18,7 @@ constexpr float kOpaque = 0.999F;
 /// all patches, times its opacity. `part`: changed in place; `opacity`: CV_32F, 0…1; `empty_level`: of a
 /// frame without patches and background, white = 255. Some 8 fills of a sixteenth of the frame.
 void blend_with_fill(sketch::Sketchable& part, const cv::Mat& opacity, const BackgroundImage& background,
-                     float empty_level, const sketch::FillOptions& options);
+                     float empty_level);
 
 /// Blends the patches that are not opaque with a given background. `background`: CV_32F, as the levels of
 /// `part`.

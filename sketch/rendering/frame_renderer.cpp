@@ -12,6 +12,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/parallel.hpp"
+#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/fade_levels.hpp"
 #include "sketch/rendering/patch_contrast.hpp"
 #include "sketch/rendering/relight.hpp"
@@ -86,7 +87,7 @@ DrawnStrokes draw_strokes(const FrameContent& content, const RenderOptions& opti
   if (detailed) add_detail(part.levels, background, lines);
   if (all_there) return {std::move(part), {}};
   if (background.empty())
-    blend_with_fill(part, opacity, still, options.empty_level, options.fill);
+    blend_with_fill(part, opacity, still, options.empty_level);
   else
     blend_with_background(part, opacity, background);
   return {std::move(part), opacity};
@@ -94,12 +95,11 @@ DrawnStrokes draw_strokes(const FrameContent& content, const RenderOptions& opti
 }  // namespace
 
 RenderedLevels render_around(const sketch::Sketchable& part, const cv::Scalar& empty,
-                             const sketch::FillOptions& options, const BackgroundImage& background,
-                             const cv::Mat& opacity) {
+                             const BackgroundImage& background, const cv::Mat& opacity) {
   const auto held = add_background_pixels(part, background, opacity);
   if (cv::countNonZero(held.mask) == 0)
     return {cv::Mat(held.levels.size(), held.levels.type(), empty), 0, true};
-  const auto filled = sketch::fill(held.levels, held.mask, options);
+  const auto filled = sketch::fill(held.levels, held.mask);
   return {filled.levels, part.share(), filled.converged};
 }
 
@@ -124,10 +124,9 @@ cv::Mat FrameRenderer::draw(const FrameContent& content) const {
   if (!content.background.empty()) content.background.convertTo(background, CV_32F);
   const auto [part, opacity] = draw_strokes(content, options_, still_, background);
   if (!background.empty())
-    return core::to_bytes(
-        sketch::fill_onto(part.levels, part.mask, background, joint_reach, options_.fill).levels);
+    return core::to_bytes(sketch::fill_onto(part.levels, part.mask, background, joint_reach).levels);
   const auto empty = cv::Scalar::all(static_cast<double>(options_.empty_level));
-  cv::Mat levels = render_around(part, empty, options_.fill, still_, opacity).levels;
+  cv::Mat levels = render_around(part, empty, still_, opacity).levels;
   if (!content.residual.empty()) cv::add(levels, content.residual, levels, cv::noArray(), CV_32F);
   paste_static_pixels(levels, still_);
   return core::to_bytes(levels);

@@ -9,7 +9,6 @@
 #include "core/context.hpp"
 #include "graph/attribute_graph.hpp"
 #include "sketch/background/still_background.hpp"
-#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/render.hpp"
 
 namespace emberfold::sketch {
@@ -24,15 +23,13 @@ struct RenderedLevels {
 /// Fills the pixels that neither patches nor the still background (add_background_pixels) cover.
 /// With nothing held the frame becomes `empty`, levels by channel. `opacity`: as for add_background_pixels.
 RenderedLevels render_around(const sketch::Sketchable& part, const cv::Scalar& empty,
-                             const sketch::FillOptions& options, const BackgroundImage& background = {},
-                             const cv::Mat& opacity = {});
+                             const BackgroundImage& background = {}, const cv::Mat& opacity = {});
 
 /// Holds what all frames of a drawn clip have in common.
 struct RenderOptions {
   cv::Size size;
   int channels = 3;       ///< 1 or 3
   float empty_level = 0;  ///< of a frame without patches and background, white = 255
-  sketch::FillOptions fill = {};
   Background background = {};
   double blur_share = 1;     ///< of their fitted blur that patches are drawn with, 0…1 (sharpening.hpp)
   double contrast_gain = 1;  ///< of their contrast, ≥ 1

@@ -16,8 +16,7 @@ void draw_morph(const graph::Morph& morph, const MorphLook& look,
   const std::size_t count = sketch.frames.size();
   std::vector<cv::Mat> drawn(kAtOnce);
   const auto draw = [&](std::size_t t) {
-    RenderOptions options{
-        .size = {sketch.width, sketch.height}, .channels = look.channels, .fill = look.fill};
+    RenderOptions options{.size = {sketch.width, sketch.height}, .channels = look.channels};
     options.empty_level = std::lerp(look.level_from, look.level_to,
                                     count > 1 ? static_cast<float>(t) / static_cast<float>(count - 1) : 0.0F);
     FrameContent content{sketch.frames[t]};

@@ -8,7 +8,6 @@
 
 #include "core/context.hpp"
 #include "graph/morphing/morph.hpp"
-#include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::sketch {
 
@@ -16,7 +15,6 @@ namespace emberfold::sketch {
 struct MorphLook {
   int channels = 3;                    ///< 1 or 3
   float level_from = 0, level_to = 0;  ///< of a first and a last frame without patches, white = 255
-  FillOptions fill = {};
 };
 
 /// Draws the frames of a morph in order, CV_8U: patches from their attributes, by their opacity, and the rest

@@ -142,8 +142,7 @@ AttributeGraph steady_sketch(const cv::Mat& levels, const AttributeGraph& own,
   if (options.colour && levels.channels() == 3)
     for (cv::Mat1f& colour : compute_opponent_colours(levels))
       axes.push_back(prepare_coding(std::move(colour), kColourAxes[axes.size()]));
-  return with_evidence(
-      without_outvoted(refine(kept, levels, axes, {options.spacing, options.blobs, &offered}), votes));
+  return with_evidence(without_outvoted(refine(kept, levels, axes, {options.spacing, &offered}), votes));
 }
 
 }  // namespace emberfold::sketch

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.hpp"
+#include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::sketch {
 
@@ -35,7 +36,6 @@ void check(const char* who, const cv::Mat& observed, const Sketchable& drawn) {
 }  // namespace
 
 void NonsketchableFillOptions::validate() const {
-  fill.validate();
   texture.validate();
   julesz.validate();
   efros_leung.validate();
@@ -51,7 +51,7 @@ NonsketchableFillResult fill_nonsketchable(const cv::Mat& observed, const Sketch
   check("fill_ground", observed, drawn);
   NonsketchableFillResult result;
   if (cv::countNonZero(drawn.mask) > 0) {
-    auto filled = fill(drawn.levels, drawn.mask, options.fill);
+    auto filled = fill(drawn.levels, drawn.mask);
     result.levels = std::move(filled.levels);
     result.converged = filled.converged;
   } else {

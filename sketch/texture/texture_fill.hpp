@@ -6,7 +6,6 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
-#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/render.hpp"
 #include "sketch/texture/efros_leung.hpp"
 #include "sketch/texture/julesz.hpp"
@@ -24,7 +23,6 @@ enum class FillMethod {
 /// Holds the method of fill_nonsketchable() and its settings.
 struct NonsketchableFillOptions {
   FillMethod kind = FillMethod::diffusion;
-  FillOptions fill = {};
   TextureOptions texture = {};  ///< unused by the diffusion
   JuleszOptions julesz = {};
   EfrosLeungOptions efros_leung = {};

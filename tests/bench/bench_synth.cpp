@@ -59,7 +59,7 @@ void draw(benchmark::State& state, pipeline::FrameSynthesis frames) {
 }
 
 sketch::RenderOptions colour_look(const mcmc::MotionModel& model) {
-  auto look = pipeline::render_options(model, {}, {});
+  auto look = pipeline::render_options(model, {});
   look.channels = 3;
   return look;
 }

@@ -2,32 +2,37 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sketches a picture in one piece and in tiles, and tells how much of either's curves the other has within 1 px.
 
-    tiles_against_whole.py PROGRAM PICTURE [--tile 1024]
+    tiles_against_whole.py PICTURE [--tile 1024]
 
-PROGRAM is emberfold. Tells time and peak memory of the whole command, too. Needs python3-numpy and python3-scipy.
+Tells time and peak memory of sketching, too. Needs emberfold's Python package, python3-numpy and python3-scipy.
 """
 import argparse
 import json
-import os
 import subprocess
-import tempfile
+import sys
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+SKETCH = """
+import resource, sys, time
+import emberfold as ef
+frame = next(iter(ef.open(sys.argv[1], grey=True))).astype("float32")
+begun = time.monotonic()
+made = ef.sketch.extract(frame, tile=int(sys.argv[2]))
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+print(f"{time.monotonic() - begun:.1f} s, {peak:.0f} MB", file=sys.stderr, end="", flush=True)
+sys.stdout.buffer.write(made.to_jsonl())
+"""
 
-def sketch(program, picture, tile, folder):
-    out = os.path.join(folder, str(tile))
-    subprocess.run([program, "sketch", picture, "-o", out, "--grey", "-q", "--set", f"sketch.tile={tile}"], check=True,
-                   stdout=subprocess.DEVNULL)
-    with open(os.path.join(out, "summary.json")) as text:
-        summary = json.load(text)
-    with open(os.path.join(out, "sketch.jsonl")) as lines:
-        frame = json.loads(lines.read().splitlines()[1])
+
+def sketch(picture, tile):
+    print(f"tile {tile:6d}: ", end="", flush=True)
+    made = subprocess.run([sys.executable, "-c", SKETCH, picture, str(tile)], check=True, stdout=subprocess.PIPE)
+    frame = json.loads(made.stdout.splitlines()[1])
     at = {v["id"]: (v["x"], v["y"]) for v in frame["vertices"]}
-    ends = np.array([at[a] + at[b] for a, b in frame["edges"]])
-    print(f"tile {tile:6d}: {summary['seconds']['total']:.1f} s, {summary['peak_memory_mb']:.0f} MB, {len(at)} patches")
-    return ends
+    print(f", {len(at)} patches")
+    return np.array([at[a] + at[b] for a, b in frame["edges"]])
 
 
 def places(ends):
@@ -41,12 +46,10 @@ def places(ends):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
     parser.add_argument("picture")
     parser.add_argument("--tile", type=int, default=1024)
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        whole, tiled = (places(sketch(given.program, given.picture, tile, folder)) for tile in (16384, given.tile))
+    whole, tiled = (places(sketch(given.picture, tile)) for tile in (16384, given.tile))
     for name, (a, length), (b, _) in (("of the whole's", whole, tiled), ("of the tiles'", tiled, whole)):
         distance, _ = cKDTree(b).query(a)
         print(f"{name} curves the other has within 1 px: {length[distance <= 1].sum() / length.sum():.4f}")

@@ -167,9 +167,9 @@ TEST_CASE("hybrid frames go on without regard to how they are asked for, and nee
   const auto texture =
       std::make_shared<const dytex::LinearDynamicTexture>(learn(scene, {.components = 3}).texture);
   auto model = made_model(kSize.width, kSize.height, 16);
-  auto all = pipeline::hybrid_frames(model, texture, pipeline::render_options(model, {}, {}), 4),
-       parts = pipeline::hybrid_frames(model, texture, pipeline::render_options(model, {}, {}), 4),
-       other = pipeline::hybrid_frames(model, texture, pipeline::render_options(model, {}, {}), 5);
+  auto all = pipeline::hybrid_frames(model, texture, pipeline::render_options(model, {}), 4),
+       parts = pipeline::hybrid_frames(model, texture, pipeline::render_options(model, {}), 4),
+       other = pipeline::hybrid_frames(model, texture, pipeline::render_options(model, {}), 5);
   const auto whole = all.next(30);
   std::vector<cv::Mat> pieces;
   for (const int count : {1, 12, 17})

@@ -146,7 +146,7 @@ TEST_CASE("Residual: the same frames at any number of threads, others by seed") 
 TEST_CASE("Residual: lies on the frames that strokes alone would give") {
   const auto model = made_model(kSize.width, kSize.height, 16);
   pipeline::ResidualTexture residual = measured(noisy(3));
-  auto seen = pipeline::render_options(model, {}, {});
+  auto seen = pipeline::render_options(model, {});
   const auto plain = pipeline::FrameSynthesis(mcmc::Synthesis(model, 1), seen).next(3);
   const auto grained = pipeline::residual_frames(model, residual, seen, 1).next(3);
   const auto grain = drawn(residual, 3);

@@ -231,11 +231,10 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   refused({"--set", "sketch.min_contrast=nan"}, {"sketch.min_contrast", "not finite"});
   refused({"--set", "sketch.min_contrast=inf"}, {"sketch.min_contrast", "not finite"});
   refused({"--set", "sketch.min_contrast=-3"}, {"sketch.min_contrast", "-3", "0"});
-  refused({"--set", "sketch.hysteresis=1.5"}, {"sketch.hysteresis", "1.5", "1"});
+  refused({"--set", "sketch.budget=1.5"}, {"sketch.budget", "1.5", "1"});
   refused({"--set", "sketch.scales=0"}, {"sketch.scales", "0", "1"});
   refused({"--set", "sketch.scales=2.5"}, {"sketch.scales", "2.5", "whole"});
   refused({"--set", "sketch.spacing=five"}, {"sketch.spacing", "five", "number"});
-  refused({"--set", "fill.tolerance=0"}, {"fill.tolerance", "0"});
   refused({"--scale", "nan"}, {"--scale", "nan", "16"});
   refused({"--scale", "0"}, {"--scale", "0", "16"});
   refused({"--range", "5:3"}, {"--range", "5:3"});
@@ -245,10 +244,10 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   refused({"--seed", "-1"}, {"--seed", "-1"});
   refused({"--min-contrats", "3"}, {"--min-contrats", "--set sketch.min_contrast=VALUE"});
   refused({"--min-contrast", "3"}, {"--min-contrast", "--set sketch.min_contrast=VALUE"});
-  refused({"--set", "sketch.edges=maybe"}, {"sketch.edges", "maybe", "true"});
-  refused({"--set", "sketsh.edges=true"}, {"'sketsh'", "sketch", "fill", "did you mean sketch?"});
+  refused({"--set", "sketch.steady=maybe"}, {"sketch.steady", "maybe", "true"});
+  refused({"--set", "sketsh.steady=true"}, {"'sketsh'", "sketch", "did you mean sketch?"});
   refused({"--set", "sketch.min_contrats=1"}, {"'min_contrats'", "did you mean min_contrast?"});
-  for (const char* odd : {"", "=", "sketch", "sketch.edges", "edges=true", "."})
+  for (const char* odd : {"", "=", "sketch", "sketch.steady", "steady=true", "."})
     refused({"--set", odd}, {"--set"});
   refused({"surplus"}, {"surplus"});
   check_refused({"analyze", clip, "-o", out.string(), "--set", "match.max_motion=0"}, 2,
@@ -259,7 +258,7 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   check_refused({"analyse", clip}, 2, {"analyse", "analyze"});
   check_refused({"frobnicate"}, 2, {"frobnicate"});
   check_refused({"--verson"}, 2, {"--verson", "--version"});
-  check_refused({"score", "a", "b", "--set", "score.radius=-1"}, 2, {"score.radius", "-1"});
+  check_refused({"score", "a", "b", "--radius", "-1"}, 2, {"--radius", "-1"});
   check_refused({"score", "a", "b", "--frames", "nan"}, 2, {"--frames", "not finite"});
 }
 
@@ -309,12 +308,13 @@ TEST_CASE("help lists what --set takes, with defaults and ranges, and the option
   const auto all = run_command({"help", "options"});
   CHECK(all.exit == 0);
   for (const char* name :
-       {"sketch.spacing", "match.sigma_across", "starts.chains", "infer.sweeps", "calibrate.calibrate",
-        "fill.tolerance", "learn.components", "compare.steps", "synth.births", "quilt.overlap",
-        "control.jitter", "em.iterations", "score.radius"})
+       {"sketch.spacing", "match.max_motion", "starts.chains", "infer.sweeps", "calibrate.calibrate",
+        "learn.components", "compare.steps", "synth.births", "quilt.overlap", "control.jitter"})
     CHECK(contains(all.out, std::string("\n  ") + name + " "));
+  for (const char* own : {"sketch.sensitivity", "sketch.edges", "compare.frames", "score.frames"})
+    CHECK_FALSE(contains(all.out, own));
   const auto own = run_command({"help", "options", "dytex", "learn"});
-  CHECK(contains(own.out, "learn.memory"));
+  CHECK(contains(own.out, "learn.noise_rank"));
   CHECK_FALSE(contains(own.out, "sketch."));
   // each line's default is what the struct holds, and its range what validate() tells
   std::istringstream lines(run_command({"help", "options", "compare"}).out);
@@ -347,10 +347,11 @@ TEST_CASE("a setting changes what its field changes, and the last of two counts"
   const auto usual = options({});
   auto changed = usual;
   changed["spacing"] = 7.0;
-  changed["edges"] = false;
-  CHECK(options({"--set", "sketch.spacing=6", "--set", "sketch.edges=no", "--set=sketch.spacing=7"}) ==
+  changed["steady"] = false;
+  CHECK(options({"--set", "sketch.spacing=6", "--set", "sketch.steady=no", "--set=sketch.spacing=7"}) ==
         changed);
-  changed["spacing"] = usual["spacing"];
+  changed = usual;
+  changed["edges"] = false;
   CHECK(options({"--no-edges"}) == changed);
 }
 

@@ -110,30 +110,24 @@ TEST_CASE("compare draws clips of any length and predicts with what it may learn
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {60, 48}, 24, 4);
   const auto run = [&](const std::vector<std::string>& more) {
-    const auto result = run_command(joined(
-        {"compare", clip, "-o", (temp / "out").string(), "--json", "-q", "--set", "compare.star=false"},
-        more));
+    const auto result =
+        run_command(joined({"compare", clip, "-o", (temp / "out").string(), "--json", "-q"}, more));
     INFO(result.err);
     REQUIRE(result.exit == 0);
     return Json::parse(result.out)["measures"];
   };
-  const auto longer =
-      run({"--frames", "40", "--set", "compare.strokes=false", "--set", "compare.hybrid=false"});
+  const auto longer = run({"--frames", "40"});
   CHECK(longer["synthesis"]["frames"] == 40);
-  CHECK_FALSE(longer["synthesis"]["motion_model"].contains("strokes"));
-  CHECK(longer["models"].size() == 4);
+  CHECK(longer["models"].size() == 6);
   CHECK(
       core::read_all(*apps::open_clip((temp / "out/synthesized_dytex.avi").string(), {}, {})).frames.size() ==
       40);
   CHECK(core::read_all(*apps::open_clip((temp / "out/side_by_side.mp4").string(), {}, {})).frames.size() ==
         24);
-  const auto whole = run(
-      {"--set", "compare.learn_share=1", "--set", "compare.strokes=false", "--set", "compare.hybrid=false"});
+  const auto whole = run({"--set", "compare.learn_share=1"});
   CHECK(whole["prediction"].is_null());
   CHECK(whole["learned_frames"] == 24);
-  CHECK_FALSE(fs::exists(temp / "out/synthesized_star.avi"));
-  const auto curve = run({"--set", "compare.curve=true", "--set", "compare.strokes=false", "--set",
-                          "compare.hybrid=false", "--set", "learn.components=4"})["size_curve"];
+  const auto curve = run({"--set", "compare.curve=true", "--set", "learn.components=4"})["size_curve"];
   std::map<std::string, std::vector<double>> sizes;
   for (const auto& point : curve["points"]) {
     sizes[point["model"].get<std::string>()].push_back(point["parameters"].get<double>());

@@ -176,7 +176,6 @@ TEST_CASE("what a model is learned by is asked for by words and told in the summ
   CHECK(learn({"-n", "6"})["texture"]["noise_share"] == 1);
   CHECK(learn({"--set", "learn.noise=independent", "-n", "2"})["options"]["learn"]["noise"] == "independent");
   CHECK(learn({"--set", "learn.stable=soc", "-n", "3"})["options"]["learn"]["stable"] == "soc");
-  CHECK(learn({"--set", "learn.memory=1", "-n", "3"})["learning"]["passes"] == 1);
 }
 
 TEST_CASE("short clips get fewer components unless more were asked for") {
@@ -221,7 +220,7 @@ TEST_CASE("what dytex cannot take is refused in one line") {
   learn({clip, "--method", "magic"}, 2, {"--method", "magic", "n4sid"});
   learn({clip, "--channels", "both"}, 2, {"--channels", "both"});
   learn({clip, "--set", "learn.noise=loud"}, 2, {"learn.noise", "loud", "normal, resampled"});
-  learn({clip, "--set", "learn.memory=0"}, 2, {"learn.memory", "0", "1"});
+  learn({clip, "--set", "learn.block=-1"}, 2, {"learn.block", "-1", "0"});
   learn({one}, 1, {"one", "at least two"});
   learn({one, "--energy", "0.9"}, 1, {"one", "at least two"});
   learn({(temp / "no.mp4").string()}, 1, {"no.mp4"});

@@ -97,9 +97,6 @@ TEST_CASE("no command writes onto models, masks and maps that it reads") {
   made.refuse({"dytex", "learn", made.clip, "--mask", made.mask, "-o", made.at("m"), "--missing", made.clip,
                "--filled", made.mask},
               made.mask, made.mask);
-  made.refuse(
-      {"quilt", made.clip, "--mask", made.mask, "-o", made.at("q.mp4"), "--set", "quilt.map=" + made.mask},
-      made.mask, made.mask);
   made.refuse({"quilt", made.clip, "--control", "depth:" + made.mask, "-o", made.mask}, made.mask, made.mask);
   made.refuse({"dytex", "page", made.model, "--mask", made.mask, "-o", made.mask}, made.mask, made.mask);
   made.refuse({"dytex", "compose", made.clip, "--layer", made.model + ":" + made.mask, "-o", made.mask},

@@ -87,7 +87,7 @@ TEST_CASE("a morph refuses pictures of two sizes, missing frames, and options th
   check_one_line({"morph", a, a, "-o", out.string(), "--frames", "2"}, 2, {"--frames is 2", "3 to 10000"},
                  out);
   check_one_line({"morph", a, a, "-o", out.string(), "--range", "0:1"}, 2, {"--range"}, out);
-  check_one_line({"morph", a, a, "-o", out.string(), "--set", "morph.farthest=0"}, 2, {"morph.farthest is 0"},
+  check_one_line({"morph", a, a, "-o", out.string(), "--set", "sketch.spacing=1"}, 2, {"sketch.spacing is 1"},
                  out);
   check_one_line({"morph", a, (temp / "none.png").string(), "-o", out.string(), "-q"}, 1, {"none.png"}, out);
 }

@@ -125,8 +125,6 @@ TEST_CASE("meshes and options that do not go together are refused in one line") 
   refused({"--set", "quilt.surface=" + cube, "--tileable"}, 2, {"quilt.surface", "--tileable"});
   refused({"--set", "quilt.surface=" + cube, "--apply", "map.npy"}, 2, {"quilt.surface", "--apply"});
   refused({"--set", "quilt.surface=" + cube, "--set", "quilt.seams=moving"}, 2, {"quilt.surface", "seams"});
-  refused({"--set", "quilt.surface=" + cube, "--set", "quilt.pixel=-1"}, 2, {"quilt.pixel is -1"});
-  refused({"--set", "quilt.pixel=1"}, 2, {"quilt.pixel", "quilt.surface"});
   // Faces between the texels, and over each other.
   std::string small = cube_obj() + "v 0 0 9\nv 1 0 9\nv 0 1 9\nvt 0.5 0.001\nvt 0.501 0.001\nvt 0.5 0.002\n";
   small += "f -3/-3 -2/-2 -1/-1\n";

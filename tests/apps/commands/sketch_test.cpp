@@ -13,6 +13,7 @@
 #include "core/io/clip_reader.hpp"
 #include "graph/io/motion_io.hpp"
 #include "pipeline/reconstruct.hpp"
+#include "sketch/inpainting/fill.hpp"
 #include "tests/apps/commands/command_check.hpp"
 #include "tests/support/messages.hpp"
 
@@ -163,11 +164,11 @@ TEST_CASE("anchors are in sketch.jsonl, which draws what the command drew, and a
       inputs[t].convertTo(levels, CV_32F);
       const auto drawing =
           patches == "fitted" ? pipeline::PatchDrawing::fitted : pipeline::PatchDrawing::pixels;
-      const auto again = pipeline::reconstruct(levels, frame, drawing, {});
+      const auto again = pipeline::reconstruct(levels, frame, drawing);
       cv::Mat bytes = again.bytes;
       if (bytes.channels() != drawn[t].channels()) cv::cvtColor(bytes, bytes, cv::COLOR_GRAY2BGR);
       CHECK(cv::norm(bytes, drawn[t], cv::NORM_INF) <= 1);
-      CHECK(again.psnr > pipeline::reconstruct(levels, alone, drawing, {}).psnr + 6);
+      CHECK(again.psnr > pipeline::reconstruct(levels, alone, drawing).psnr + 6);
       // Pictures of the graph show strokes alone.
       cv::Mat colour = inputs[t];
       if (colour.channels() == 1) cv::cvtColor(colour, colour, cv::COLOR_GRAY2BGR);
@@ -231,7 +232,7 @@ TEST_CASE("steps of a film of heat are geometric as far as whole numbers allow")
 TEST_CASE("the film of heat goes from the patches on grey to the fill") {
   const auto part = made_part();
   std::vector<HeatMoment> moments;
-  const bool near = run_heat(part, cv::Scalar::all(0), {}, {}, {}, [&](const HeatMoment& m) {
+  const bool near = run_heat(part, cv::Scalar::all(0), {}, {}, [&](const HeatMoment& m) {
     moments.push_back({m.levels.clone(), m.steps, m.time, m.at_rest});
   });
   CHECK(near);
@@ -255,13 +256,13 @@ TEST_CASE("the film of heat goes from the patches on grey to the fill") {
   HeatOptions hurried;
   hurried.most_work = 60 * 40 * 20;
   moments.clear();
-  CHECK_FALSE(run_heat(part, cv::Scalar::all(0), {}, hurried, {},
-                       [&](const HeatMoment& m) { moments.push_back(m); }));
+  CHECK_FALSE(
+      run_heat(part, cv::Scalar::all(0), hurried, {}, [&](const HeatMoment& m) { moments.push_back(m); }));
   CHECK(moments.back().at_rest);
   CHECK(moments.back().steps <= 20);
   // Nothing held: nothing flows.
   const sketch::Sketchable none{cv::Mat::zeros(8, 8, CV_32F), cv::Mat::zeros(8, 8, CV_8U)};
-  CHECK(run_heat(none, cv::Scalar::all(77), {}, {}, {}, [&](const HeatMoment& m) {
+  CHECK(run_heat(none, cv::Scalar::all(77), {}, {}, [&](const HeatMoment& m) {
     CHECK(cv::norm(m.levels, cv::Mat(8, 8, CV_32F, cv::Scalar(77)), cv::NORM_INF) == 0);
   }));
 }
@@ -383,8 +384,7 @@ TEST_CASE("options of the sketch that cannot be are told in one line with exit 2
   refused({"--set", "sketch.budget=1.5"}, {"sketch.budget", "1.5", "1"});
   refused({"--set", "sketch.budget=-0.1"}, {"sketch.budget", "-0.1", "0"});
   refused({"--set", "sketch.budget=nan"}, {"sketch.budget", "not finite"});
-  refused({"--set", "sketch.tile=10"}, {"sketch.tile", "10", "64 to 16384"});
-  refused({"--set", "sketch.boundaries=true", "--no-edges"}, {"sketch.boundaries", "without sketch.edges"});
+  refused({"--set", "sketch.boundaries=true", "--no-edges"}, {"sketch.boundaries", "no steps are drawn"});
   refused({"--anchors", "1.5"}, {"--anchors", "1.5", "0 (none) to 1"});
   refused({"--anchors", "-0.5"}, {"--anchors", "-0.5"});
   refused({"--anchors=nan"}, {"--anchors", "nan"});
@@ -414,7 +414,7 @@ TEST_CASE("the smallest and the oddest pictures go through every way of drawing"
       INFO(name << " " << fill);
       const auto summary =
           sketched((temp / "picture.png").string(), temp / name,
-                   {"--fill", fill, "--film", "--heat-film", "0", "--anchors", "--set", "sketch.blobs=true"});
+                   {"--fill", fill, "--film", "--heat-film", "0", "--anchors", "--set", "sketch.budget=0.5"});
       CHECK(drawn_frames(temp / name / "film.mp4").size() == 1);
       CHECK(drawn_frames(temp / name / "heat.mp4").size() >= 2);
       CHECK(summary["sketch"]["psnr"]["mean"] > 5);

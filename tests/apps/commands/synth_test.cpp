@@ -105,8 +105,7 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
   const auto drawn = read_clip(avi);
   REQUIRE(drawn.frames.size() == 40);
   CHECK(drawn.info.fps == 25);
-  auto look =
-      pipeline::render_options(model, sketch::read_background(archive, {model.width, model.height}), {});
+  auto look = pipeline::render_options(model, sketch::read_background(archive, {model.width, model.height}));
   const auto sharpening = sketch::read_sharpening(archive);
   look.blur_share = sharpening.blur_share, look.contrast_gain = sharpening.contrast_gain;
   std::size_t patches = 0;
@@ -240,7 +239,7 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(2, {"-o", out.string(), "--frames", "many"}, {"--frames", "many"});
   refused(2, {"-o", out.string(), "--fill", "paint"},
           {"--fill", "paint", "carried, diffusion, texture, dytex"});
-  refused(2, {"-o", out.string(), "--set", "fill.tolerance=0"}, {"fill.tolerance", "0"});
+  refused(2, {"-o", out.string(), "--set", "synth.births=11"}, {"synth.births", "11"});
   refused(2, {"-o", (made.temp / "new.gif").string()}, {".gif"});
   refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
   refused(1, {"-o", out.string(), "--motion", (made.temp / "no/where.jsonl").string()}, {"where.jsonl"});

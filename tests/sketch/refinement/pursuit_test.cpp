@@ -68,11 +68,11 @@ TEST_CASE("A blob is found again with the levels it was drawn with") {
   CHECK(cv::countNonZero(draw_pixels(one, drawn.levels).mask != drawn.mask) == 0);
 }
 
-TEST_CASE("Dots become blobs where blobs are asked for and strokes stay strokes") {
+TEST_CASE("Dots become blobs under a budget and strokes stay strokes") {
   const cv::Mat1f frame = with_noise(busy_frame(), 2, 1);
   ExtractOptions options;
   CHECK(count_blobs(extract(frame, options)) == 0);
-  options.blobs = true;
+  options.budget = 1;
   const graph::AttributeGraph found = extract(frame, options);
   for (const Point dot : {Point{100, 80}, Point{120, 95}, Point{80, 100}})
     CHECK(std::ranges::any_of(found.vertices(), [&](const auto& v) {
@@ -86,7 +86,7 @@ TEST_CASE("Dots become blobs where blobs are asked for and strokes stay strokes"
 
 TEST_CASE("Nothing pays on even ground and hardly anything in noise") {
   ExtractOptions options;
-  options.blobs = true;
+  options.budget = 1;
   CHECK(extract(cv::Mat1f(kPursuitSize, 90.0F), options).empty());
   std::size_t blobs = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed)
@@ -113,7 +113,7 @@ TEST_CASE("A budget is kept, and more of it shows more") {
 TEST_CASE("What is chosen is part of what was proposed, with its patches untouched") {
   const cv::Mat1f frame = with_noise(busy_frame(), 2, 3);
   const graph::AttributeGraph strokes = extract(frame, {});
-  const graph::AttributeGraph chosen = pursue(strokes, frame, {2, 0.1, true});
+  const graph::AttributeGraph chosen = pursue(strokes, frame, {2, 0.1});
   std::size_t kept = 0;
   for (const graph::Vertex& v : chosen.vertices()) {
     if (v.patch.type == graph::PatchType::blob) continue;
@@ -124,8 +124,7 @@ TEST_CASE("What is chosen is part of what was proposed, with its patches untouch
     }));
   }
   CHECK(kept > 0);
-  CHECK(pursue(strokes, frame, {2, 0.1, true}) == chosen);
-  CHECK(count_blobs(pursue(strokes, frame, {2, 1, false})) == 0);
+  CHECK(pursue(strokes, frame, {2, 0.1}) == chosen);
 }
 
 TEST_CASE("A coloured dot is a blob of its colours") {

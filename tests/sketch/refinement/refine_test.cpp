@@ -30,10 +30,9 @@ graph::AttributeGraph without(const graph::AttributeGraph& graph, const std::fun
   return {std::move(vertices), std::move(edges)};
 }
 
-graph::AttributeGraph refined(const graph::AttributeGraph& graph, const cv::Mat1f& frame,
-                              bool blobs = false) {
+graph::AttributeGraph refined(const graph::AttributeGraph& graph, const cv::Mat1f& frame) {
   const CodingContext prepared = prepare_coding(frame);
-  return refine(graph, frame, {&prepared, 1}, {5, blobs});
+  return refine(graph, frame, {&prepared, 1}, {5});
 }
 
 double extent(const graph::AttributeGraph& graph) {
@@ -140,21 +139,6 @@ TEST_CASE("Two steps that bound a bar become that bar") {
     CHECK(std::abs(v.patch.width - 16) < 1);
     if (bar.degree(bar.index_of(v.id)) == 2) CHECK(std::abs(v.patch.contrast - 80) < 5);
   }
-}
-
-TEST_CASE("A dot is a blob when blobs are asked for") {
-  const cv::Mat1f frame = with_noise(draw(kRefineSize, {ring({70, 60}, 0, 6, 1.5)}, 60, 90), 3, 7);
-  graph::Patch patch;
-  patch.position = {70, 60};
-  patch.width = 5, patch.blur = 1.5, patch.contrast = 80;
-  patch.left = patch.right = {60, 60, 60};
-  patch.middle = {150, 150, 150};
-  const graph::AttributeGraph dot({{{0}, {}, patch}}, {});
-  const graph::AttributeGraph blob = refined(dot, frame, true);
-  REQUIRE(blob.size() == 1);
-  CHECK(blob.patch(0).type == graph::PatchType::blob);
-  CHECK(blob.patch(0).contrast > 40);
-  CHECK(refined(dot, frame).patch(0).type != graph::PatchType::blob);
 }
 
 TEST_CASE("What refining leaves it leaves when it looks again") {

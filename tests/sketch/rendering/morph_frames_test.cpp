@@ -7,6 +7,7 @@
 
 #include "core/clip.hpp"
 #include "core/error.hpp"
+#include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/render.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
@@ -32,7 +33,7 @@ std::vector<cv::Mat> draw(const graph::Morph& morph, const sketch::MorphLook& lo
 
 cv::Mat drawn_alone(const graph::AttributeGraph& graph) {
   const auto part = sketch::draw_fitted(graph, {80, 60}, 1);
-  return core::to_bytes(sketch::fill(part.levels, part.mask, {}).levels);
+  return core::to_bytes(sketch::fill(part.levels, part.mask).levels);
 }
 
 }  // namespace
