@@ -238,6 +238,9 @@ std::vector<Chain> find_strong_curves(const Searched& frame, const ExtractOption
     remove_coinciding(ridges, valleys, space);
     remove_coinciding(valleys, all, space);
   }
+  const CreaseMap all_ridges = ridges;  // its index is that of what is left
+  remove_lobes(ridges, valleys, space);
+  remove_lobes(valleys, all_ridges, space);
   const TracingLimits begins{limits.significance};
   std::vector<Chain> chains = trace_curves(ridges, space, begins);
   append(chains, trace_curves(valleys, space, begins));
@@ -271,6 +274,7 @@ std::vector<Chain> find_curves(const Searched& frame, const cv::Mat& levels, con
   without_crumbs(chains);
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
   chains = cut_at_contrast_gaps(chains, frame.space, {kHalf, frame.noise});
+  chains = part_ends_at_gaps(std::move(chains), frame.space, {kHalf, frame.noise});
   without_crumbs(chains);
   append(chains, find_weak_curves(chains, frame.space, frame.noise, limits.weak, frame.usual));
   return chains;

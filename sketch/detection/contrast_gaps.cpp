@@ -2,7 +2,9 @@
 #include "sketch/detection/contrast_gaps.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/math/bilinear.hpp"
@@ -208,6 +210,63 @@ void split_chain(const Chain& chain, const std::vector<double>& s, const std::ve
   }
 }
 
+// ---- between two curves ----
+
+// Ends that lie at no gap yet.
+std::vector<CurveEnd> open_ends(const std::vector<Chain>& chains) {
+  std::vector<CurveEnd> ends = free_ends(chains);
+  std::erase_if(ends, [&](const CurveEnd& end) { return chains[end.chain].gap.at(end.back ? 1 : 0) > 0; });
+  return ends;
+}
+
+// The points of a curve from one of its ends on, as far as what is usual is measured.
+std::vector<CreasePoint> points_from(const Chain& chain, bool back, std::size_t most) {
+  const auto count = static_cast<std::ptrdiff_t>(std::min(most, chain.points.size()));
+  if (back) return {chain.points.rbegin(), chain.points.rbegin() + count};
+  return {chain.points.begin(), chain.points.begin() + count};
+}
+
+// How many points lie in a gap on the way from one end to another, of the one and of the other curve; nothing
+// where there is no gap.
+std::optional<std::array<std::size_t, 2>> points_in_gap(const std::vector<Chain>& chains,
+                                                        const CurveEnd& from, const CurveEnd& to,
+                                                        const ScaleSpace& space,
+                                                        const ContrastGapLimits& limits) {
+  constexpr std::size_t kMost = 20;
+  const std::size_t most =
+      from.chain == to.chain ? std::min(kMost, chains[from.chain].points.size() / 2) : kMost;
+  Chain way{chains[from.chain].kind, points_from(chains[from.chain], from.back, most), false};
+  std::ranges::reverse(way.points);
+  const std::size_t first = way.points.size();
+  const Point step = to.position - from.position;
+  const int steps = static_cast<int>(std::ceil(graph::norm(step)));
+  for (int k = 1; k < steps; ++k) {
+    CreasePoint point = way.points[first - 1];
+    point.position = from.position + step * (1.0 * k / steps);
+    way.points.push_back(point);
+  }
+  const std::size_t last = way.points.size();  // the other end
+  const auto behind = points_from(chains[to.chain], to.back, most);
+  way.points.insert(way.points.end(), behind.begin(), behind.end());
+  const ScaleLevel& own = space[median_level(way.points, space)];
+  const std::vector<bool> gap = in_gaps(way, own.frame, own.sigma, arc_lengths(way), limits);
+  std::size_t begin = first - 1, end = last;  // of the gap that has points between the ends, or at one
+  while (begin <= last && !gap[begin]) ++begin;
+  if (begin > last) return std::nullopt;
+  while (!gap[end]) --end;
+  while (begin > 0 && gap[begin - 1]) --begin;
+  while (end + 1 < gap.size() && gap[end + 1]) ++end;
+  return std::array{begin < first ? first - begin : 0, end >= last ? end + 1 - last : 0};
+}
+
+void trim_end(Chain& chain, bool back, std::size_t count) {
+  const auto n = static_cast<std::ptrdiff_t>(std::min(count, chain.points.size() - 2));
+  if (back)
+    chain.points.erase(chain.points.end() - n, chain.points.end());
+  else
+    chain.points.erase(chain.points.begin(), chain.points.begin() + n);
+}
+
 }  // namespace
 
 int last_gap(const std::vector<Chain>& chains) {
@@ -242,6 +301,40 @@ bool shows_gap(const Chain& chain, std::size_t first, std::size_t last, const cv
   const std::vector<bool> gap = in_gaps(chain, frame, sigma, arc_lengths(chain), limits);
   const auto at = [&](std::size_t i) { return gap.begin() + static_cast<std::ptrdiff_t>(i); };
   return std::find(at(first), at(last + 1), true) != at(last + 1);
+}
+
+std::vector<Chain> part_ends_at_gaps(std::vector<Chain> chains, const ScaleSpace& space,
+                                     const ContrastGapLimits& limits) {
+  constexpr double kFarthest = 12, kFacing = 0.7, kNear = 5;  // px; cos 45°; px
+  struct Pair {
+    double apart;
+    std::size_t from, to;
+  };
+  const std::vector<CurveEnd> ends = open_ends(chains);
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    for (std::size_t j = i + 1; j < ends.size(); ++j) {
+      const Point way = ends[j].position - ends[i].position;
+      const double apart = graph::norm(way);
+      if (apart > kFarthest || chains[ends[i].chain].kind != chains[ends[j].chain].kind) continue;
+      const double least = apart > kNear ? kFacing * apart : 0;
+      if (graph::dot(ends[i].outward, way) < least || graph::dot(ends[j].outward, way) > -least) continue;
+      pairs.push_back({apart, i, j});
+    }
+  std::ranges::stable_sort(pairs, {}, &Pair::apart);
+  std::vector<bool> is_done(ends.size(), false);
+  int number = std::max(limits.numbered, last_gap(chains));
+  for (const Pair& pair : pairs) {
+    if (is_done[pair.from] || is_done[pair.to]) continue;
+    is_done[pair.from] = is_done[pair.to] = true;
+    const CurveEnd &from = ends[pair.from], &to = ends[pair.to];
+    const auto gap = points_in_gap(chains, from, to, space, limits);
+    if (!gap) continue;
+    trim_end(chains[from.chain], from.back, (*gap)[0]);
+    trim_end(chains[to.chain], to.back, (*gap)[1]);
+    chains[from.chain].gap.at(from.back ? 1 : 0) = chains[to.chain].gap.at(to.back ? 1 : 0) = ++number;
+  }
+  return chains;
 }
 
 }  // namespace emberfold::sketch

@@ -33,4 +33,11 @@ std::vector<Chain> cut_at_contrast_gaps(const std::vector<Chain>& chains, const 
 bool shows_gap(const Chain& chain, std::size_t first, std::size_t last, const cv::Mat1f& frame, double sigma,
                const ContrastGapLimits& limits);
 
+/// Trims ends of curves that face each other where the frame shows a narrow gap on the way from one to the
+/// other, as cut_at_contrast_gaps() finds it within a curve. Both ends then bear the gap's number. The
+/// nearest ends come first, each end has one gap at most; numbers go on from those that the curves bear.
+/// O(ends² + points).
+std::vector<Chain> part_ends_at_gaps(std::vector<Chain> chains, const ScaleSpace& space,
+                                     const ContrastGapLimits& limits);
+
 }  // namespace emberfold::sketch

@@ -55,6 +55,8 @@ CreaseLines find_lines(const ScaleSpace& space, const NoiseLevels& ground, Creas
 /// is that of the greatest normalised gradient (γ = 1/2). O(pixels · levels).
 CreaseMap find_steps(const ScaleSpace& space, const NoiseLevels& ground, CreaseLimits limits);
 
+/// Removes the weak counter-lobes of opposite sign around stronger lines.
+void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space);
 /// Removes the two steps on the flanks of lines: those of less than `of_flank` times the contrast that the
 /// steepest slope of a Gaussian line shows as a step. A line whose sides differ by half has one flank that is
 /// a third higher.

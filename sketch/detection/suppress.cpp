@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Removal of crease points: flanks and parallel points.
+// Removal of crease points: lobes, flanks, and parallel points.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -57,9 +58,9 @@ class Across {
   std::vector<int> found_;
 };
 
-// visit(the entry) for every pixel that refers to a point, in row order.
+// visit(x, y, the pixel's entry) for every pixel that refers to a point, in row order.
 template <class Visit>
-void visit_entries(cv::Mat1i& index, Visit visit) {
+void visit_points(cv::Mat1i& index, Visit visit) {
   constexpr int kBlock = 16;
   for (int y = 0; y < index.rows; ++y) {
     int* row = index[y];
@@ -71,17 +72,19 @@ void visit_entries(cv::Mat1i& index, Visit visit) {
         if (all == -1) continue;
       }
       for (int x = x0; x < end; ++x)
-        if (row[x] >= 0) visit(row[x]);
+        if (row[x] >= 0) visit(x, y, row[x]);
     }
   }
 }
 
-void keep_unmarked(CreaseMap& map, const std::vector<char>& marked) {
+// Keeps the points for which keep(x, y, the pixel's entry), in row order.
+template <class Keep>
+void keep_where(CreaseMap& map, Keep keep) {
   std::vector<std::size_t> kept;
   kept.reserve(map.points.size());
-  visit_entries(map.index, [&](int& entry) {
+  visit_points(map.index, [&](int x, int y, int& entry) {
     const auto old = static_cast<std::size_t>(entry);
-    const bool stays = marked[old] == 0;
+    const bool stays = keep(x, y, old);
     entry = stays ? static_cast<int>(kept.size()) : -1;
     if (stays) kept.push_back(old);
   });
@@ -96,7 +99,109 @@ void keep_unmarked(CreaseMap& map, const std::vector<char>& marked) {
   map.points = std::move(points);
 }
 
+void keep_unmarked(CreaseMap& map, const std::vector<char>& marked) {
+  keep_where(map, [&](int, int, std::size_t entry) { return marked[entry] == 0; });
+}
+
+// to[x] = the greatest of itself and both others.
+EMBERFOLD_SIMD_CLONES void raise_row(const float* a, const float* b, int width, float* __restrict to) {
+  for (int x = 0; x < width; ++x) {
+    const float more = a[x] > b[x] ? a[x] : b[x];
+    to[x] = to[x] > more ? to[x] : more;
+  }
+}
+
+EMBERFOLD_SIMD_CLONES void greater_row(const float* a, const float* b, int width, float* __restrict to) {
+  for (int x = 0; x < width; ++x) to[x] = a[x] > b[x] ? a[x] : b[x];
+}
+
+// The greatest of many discs' values (≥ 0) at every pixel: all discs of one radius row by row. A disc's rows
+// are intervals; each is covered by two of length 2^k.
+class Shadow {
+ public:
+  Shadow(int width, int height) : width_(width), height_(height) {}
+
+  void cast(cv::Point centre, int radius, float value) {
+    const auto r = static_cast<std::size_t>(radius);
+    if (discs_.size() <= r) discs_.resize(r + 1);
+    Discs& discs = discs_[r];
+    if (discs.any.empty()) {
+      discs.value = cv::Mat1f(height_, width_ + 2 * radius, 0.0F);
+      discs.any.resize(static_cast<std::size_t>(height_), 0);
+    }
+    const int y = std::clamp(centre.y, 0, height_ - 1);
+    float& told = discs.value(y, radius + std::clamp(centre.x, 0, width_ - 1));
+    told = std::max(told, value);
+    discs.any[static_cast<std::size_t>(y)] = 1;
+  }
+
+  [[nodiscard]] cv::Mat1f finish() const {
+    cv::Mat1f dark(height_, width_, 0.0F);
+    Lengths lengths;
+    for (std::size_t r = 0; r < discs_.size(); ++r)
+      for (std::size_t y = 0; y < discs_[r].any.size(); ++y)
+        if (discs_[r].any[y] != 0) spread(discs_[r], static_cast<int>(r), static_cast<int>(y), lengths, dark);
+    return dark;
+  }
+
+ private:
+  // Discs of one radius.
+  struct Discs {
+    cv::Mat1f value;        // (y, radius + x): the greatest cast from there
+    std::vector<char> any;  // whether a row has some
+  };
+  using Lengths = std::vector<std::vector<float>>;  // [k][x]: the greatest from x on over 2^k pixels
+
+  // A row of discs; `lengths`: to work in.
+  void spread(const Discs& discs, int radius, int y, Lengths& lengths, cv::Mat1f& dark) const {
+    const int all = width_ + 2 * radius;
+    const std::size_t levels = last_level(radius) + 1;
+    if (lengths.size() < levels) lengths.resize(levels);
+    lengths[0].assign(discs.value[y], discs.value[y] + all);
+    for (std::size_t k = 1; k < levels; ++k) {
+      const int length = 1 << (k - 1);
+      lengths[k].resize(lengths[0].size());
+      greater_row(lengths[k - 1].data(), lengths[k - 1].data() + length, all - length, lengths[k].data());
+    }
+    for (int away = 0; away <= radius; ++away) {
+      const int half = static_cast<int>(std::sqrt(double(radius) * radius - double(away) * away));
+      const std::size_t k = last_level(half);
+      const auto length = static_cast<int>(std::bit_floor(static_cast<unsigned>(2 * half + 1)));
+      const float* first = lengths[k].data() + radius - half;
+      const float* second = lengths[k].data() + radius + half + 1 - length;
+      if (y - away >= 0) raise_row(first, second, width_, dark[y - away]);
+      if (away > 0 && y + away < height_) raise_row(first, second, width_, dark[y + away]);
+    }
+  }
+
+  // The greatest k for which 2^k pixels lie within `half` of a disc's middle.
+  static std::size_t last_level(int half) {
+    return static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(2 * half + 1)) - 1);
+  }
+
+  int width_, height_;
+  std::vector<Discs> discs_;  // by radius
+};
+
 }  // namespace
+
+void remove_lobes(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space) {
+  constexpr double kLobeShare = 0.35;  // of the line's contrast: a lobe has at most a tenth, the curl round a
+                                       // bend or an end up to a third
+  constexpr double kReach = 4.0;       // in σ of the line
+  const int width = lines.index.cols, height = lines.index.rows;
+  // In cells of 2 × 2 px: a lobe's rim is not that sharp.
+  Shadow shadow((width + 1) / 2, (height + 1) / 2);
+  for (const CreasePoint& p : opposite.points) {
+    const double reach = 0.5 * kReach * space[static_cast<std::size_t>(p.level)].sigma;
+    shadow.cast({core::fast_round(p.position.x) / 2, core::fast_round(p.position.y) / 2},
+                static_cast<int>(std::ceil(reach)), static_cast<float>(kLobeShare * p.contrast));
+  }
+  const cv::Mat1f dark = shadow.finish();
+  keep_where(lines, [&](int x, int y, std::size_t entry) {
+    return lines.points[entry].contrast >= double{dark(y / 2, x / 2)};
+  });
+}
 
 void remove_coinciding(CreaseMap& lines, const CreaseMap& opposite, const ScaleSpace& space) {
   const auto channel = [&](const CreasePoint& p) { return space[static_cast<std::size_t>(p.level)].channel; };

@@ -148,6 +148,28 @@ TEST_CASE("The flanks of a line are taken away, a step of its own stays") {
   }
 }
 
+TEST_CASE("A faint line beside a strong one of the other sign is its lobe, a strong one is not") {
+  for (int k = 0; k < 8; ++k) {
+    const Straight line = at_angle(k),
+                   beside{line.origin + unit(line.theta + std::numbers::pi / 2) * 8, line.theta};
+    const auto valleys = [&](double depth, bool without_lobes) {
+      const auto image = draw(kCreasesSize, [&](Point p) {
+        return 120 + 80 * std::exp(-0.5 * std::pow(line(p) / 1.7, 2)) -
+               depth * std::exp(-0.5 * std::pow(beside(p) / 1.7, 2));
+      });
+      const ScaleSpace space = sketch::scale_space(image, 1.2, 5);
+      CreaseMap map = sketch::find_lines(space, flat_ground(space), kLimits).valleys;
+      if (without_lobes)
+        sketch::remove_lobes(map, sketch::find_lines(space, flat_ground(space), kLimits).ridges, space);
+      return check_points(map, beside, 2, [](const CreasePoint&) {});
+    };
+    INFO("angle " << line.theta);
+    REQUIRE(valleys(12, false) >= 45);
+    CHECK(valleys(12, true) <= 15);
+    REQUIRE(valleys(60, true) >= 45);
+  }
+}
+
 TEST_CASE("Thinning keeps one line of points") {
   for (int k = 0; k < 8; ++k) {
     const Straight line = at_angle(k);
