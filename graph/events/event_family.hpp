@@ -28,4 +28,13 @@ inline Family family(EventType type) {
   return Family::separate;
 }
 
+/// Returns whether strokes become one (merge, connect).
+inline bool is_union(EventType type) {
+  return family(type) == Family::unite;
+}
+/// Returns whether strokes come apart (split, disconnect).
+inline bool is_separation(EventType type) {
+  return family(type) == Family::separate;
+}
+
 }  // namespace emberfold::graph::detail

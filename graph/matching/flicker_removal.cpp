@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "graph/events/events.hpp"
+#include "graph/events/event_family.hpp"
 #include "graph/matching/frame_draft.hpp"
 #include "graph/matching/lasting.hpp"
 
@@ -165,13 +165,6 @@ void remove_stroke(Draft& draft, SubgraphId stroke) {
   for (const VertexId id : gone) draft.remove(id);
 }
 
-bool is_union(const Event& e) {
-  return e.type == EventType::merge || e.type == EventType::connect;
-}
-bool is_separation(const Event& e) {
-  return e.type == EventType::split || e.type == EventType::disconnect;
-}
-
 /// Finds pairs of events that reverse each other within `frames` frames, and reverts both in the drafts.
 /// Every event belongs to one pair at most.
 class FlickerRepair {
@@ -210,9 +203,9 @@ class FlickerRepair {
   /// stands for it.
   void merge_short_pieces(std::vector<Draft>& drafts, std::vector<bool>& done) const {
     for (std::size_t i = 0; i < events_.size(); ++i) {
-      if (!is_separation(events_[i]) && !is_union(events_[i])) continue;
+      if (!detail::is_separation(events_[i].type) && !detail::is_union(events_[i].type)) continue;
       const Event& joint = events_[i];
-      const bool parts = is_separation(joint);
+      const bool parts = detail::is_separation(joint.type);
       const auto& pieces = parts ? joint.after : joint.before;
       if (pieces.size() != 2 || done[i]) continue;
       const std::array ends = {find_piece_end(pieces[0], joint.frame, parts),
@@ -270,7 +263,7 @@ class FlickerRepair {
       });
     };
     const bool same_place = distance(first.position, second.position) < kSamePlace;
-    if (is_separation(first) && is_union(second) &&
+    if (detail::is_separation(first.type) && detail::is_union(second.type) &&
         (first.after == second.before || (shared() && same_place))) {
       std::vector<SubgraphId> pieces = first.after;
       pieces.insert(pieces.end(), second.before.begin(), second.before.end());
@@ -279,7 +272,8 @@ class FlickerRepair {
       });
       return true;
     }
-    if (is_union(first) && is_separation(second) && first.after == second.before && same_place) {
+    if (detail::is_union(first.type) && detail::is_separation(second.type) && first.after == second.before &&
+        same_place) {
       each([&](Draft& draft) { cut_stroke(draft, first.after[0], first.position); });
       return true;
     }

@@ -4,14 +4,9 @@
 #include <algorithm>
 #include <limits>
 
-namespace emberfold::mcmc::detail {
+#include "graph/events/event_family.hpp"
 
-bool is_union(graph::EventType type) {
-  return type == graph::EventType::merge || type == graph::EventType::connect;
-}
-bool is_separation(graph::EventType type) {
-  return type == graph::EventType::split || type == graph::EventType::disconnect;
-}
+namespace emberfold::mcmc::detail {
 
 double EventHistory::age(graph::SubgraphId stroke, double frame) const {
   const auto found = born.find(stroke);
@@ -29,8 +24,8 @@ void EventHistory::forget(double frame) {
 void EventHistory::note(const graph::Event& event) {
   const double frame = event.frame;
   if (event.type == graph::EventType::birth) born[event.after.at(0)] = frame;
-  if (is_union(event.type)) unions.push_back({event.position, frame});
-  if (is_separation(event.type)) separations.push_back({event.position, frame});
+  if (graph::detail::is_union(event.type)) unions.push_back({event.position, frame});
+  if (graph::detail::is_separation(event.type)) separations.push_back({event.position, frame});
   // A stroke is as old as the oldest stroke that it came from.
   double began = std::numeric_limits<double>::infinity();
   for (const auto stroke : event.before) {

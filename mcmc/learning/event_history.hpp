@@ -9,10 +9,6 @@
 
 namespace emberfold::mcmc::detail {
 
-/// Returns whether strokes become one (merge, connect) or come apart (split, disconnect).
-bool is_union(graph::EventType type);
-bool is_separation(graph::EventType type);
-
 /// Holds what happened in a clip before a frame, as far as rates depend on it.
 struct EventHistory {
   std::vector<PastEvent> unions, separations;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "graph/events/event_family.hpp"
 #include "mcmc/learning/event_history.hpp"
 #include "mcmc/learning/operator_sites.hpp"
 #include "mcmc/learning/stroke_places.hpp"
@@ -32,8 +33,8 @@ struct ClassCounts {
 };
 
 using detail::EventHistory;
-using detail::is_separation;
-using detail::is_union;
+using graph::detail::is_separation;
+using graph::detail::is_union;
 
 struct ModifierCounts {
   ClassCounts<kElapsedClasses> death, separation, unification;

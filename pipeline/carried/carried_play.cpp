@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/math/robust.hpp"
+#include "graph/events/event_family.hpp"
 #include "mcmc/learning/stroke_places.hpp"
 #include "pipeline/carried/life_again.hpp"
 #include "pipeline/footage/motion_scale.hpp"
@@ -43,10 +44,6 @@ EventType reversed(EventType type) {
   using enum EventType;
   constexpr std::array kBackwards = {death, birth, merge, split, disconnect, connect};
   return kBackwards[index(type)];
-}
-
-bool is_union(EventType type) {
-  return type == EventType::merge || type == EventType::connect;
 }
 
 double mean_width(const graph::AttributeGraph& graph, const std::vector<Index>& stroke) {
@@ -280,7 +277,7 @@ void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMo
     if (type == EventType::birth) continue;
     const double rate = edit_.rates[index(type)];
     auto& count = moment.operators[index(type)];
-    if (is_union(type) && rng.uniform() >= rate) {
+    if (graph::detail::is_union(type) && rng.uniform() >= rate) {
       std::vector<Index> gap;
       for (const auto id : path)
         if (const auto v = graph.index_of(id); v < graph.size() && is_whole(static_cast<Index>(v)))
@@ -289,7 +286,7 @@ void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMo
       continue;
     }
     ++count;
-    if (is_union(type)) continue;
+    if (graph::detail::is_union(type)) continue;
     const int more = draw_count(std::max(0.0, rate - 1), rng);
     for (int i = 0; i < more; ++i)
       if (type == EventType::death)

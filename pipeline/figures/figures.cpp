@@ -8,26 +8,18 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "graph/events/event_family.hpp"
 #include "pipeline/figures/figure_changes.hpp"
 #include "pipeline/figures/figure_graphs.hpp"
 
 namespace emberfold::pipeline {
 
-using graph::EventType;
+using graph::detail::family;
 
 namespace {
 
 constexpr int kLeastSide = 32;    // px of the view: smaller frames hold no figures
 constexpr double kOnOutline = 4;  // px
-
-/// Returns whether a change of regions is one of strokes of this type.
-bool is_change(EventType of_regions, EventType of_strokes) {
-  if (of_regions == EventType::split)
-    return of_strokes == EventType::split || of_strokes == EventType::disconnect;
-  if (of_regions == EventType::merge)
-    return of_strokes == EventType::merge || of_strokes == EventType::connect;
-  return of_regions == of_strokes;
-}
 
 /// Returns the strokes' changes, each with the probability and place of the change of regions that it is.
 std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector<FigureEvent>& weighed,
@@ -52,7 +44,7 @@ std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector
     const auto [first, last] = of_frame.equal_range(static_cast<std::size_t>(event.frame));
     for (auto it = first; it != last; ++it) {
       const FigureEvent& is = *it->second;
-      if (!is_change(is.change.type, event.type) || is.probability <= event.probability ||
+      if (family(is.change.type) != family(event.type) || is.probability <= event.probability ||
           !names({is.reading, is.change.whole}) || !names({is.reading, is.change.part}))
         continue;
       event.probability = is.probability;
