@@ -48,8 +48,23 @@ void explain_regions(const cv::Mat1i& number, const cv::Mat1b& label, const cv::
   }
 }
 
+/// Measures how wide the regions are; `number`: of the region of each pixel, plus 1.
+void measure_widths(const cv::Mat1i& number, const cv::Mat1b& label, std::vector<FigureRegion>& regions) {
+  constexpr double kInside = (kWideDisc + 1) / 2;  // depth of a disc's centre
+  cv::Mat1f depth, to_centre;
+  cv::distanceTransform(label, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::distanceTransform(cv::Mat(depth < kInside), to_centre, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  for (int y = 0; y < label.rows; ++y)
+    for (int x = 0; x < label.cols; ++x) {
+      if (number(y, x) == 0) continue;
+      FigureRegion& region = regions[static_cast<std::size_t>(number(y, x) - 1)];
+      region.thickness = std::max(region.thickness, 2. * depth(y, x) - 1);
+      if (to_centre(y, x) < kInside) ++region.wide;
+    }
+}
+
 FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::Mat1f& level,
-                          const cv::Mat1b& inner, double noise) {
+                          const cv::Mat1b& inner, double noise, bool with_widths) {
   FrameRegions found;
   cv::Mat1i number;
   cv::Mat stats, centres;
@@ -67,11 +82,6 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
   }
   cv::Mat1b core;
   cv::erode(label, core, cv::Mat(), {-1, -1}, 1, cv::BORDER_CONSTANT, 1);
-  cv::Mat1f depth;
-  cv::distanceTransform(label, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  constexpr double kInside = (kWideDisc + 1) / 2;  // depth of a disc's centre
-  cv::Mat1f to_centre;
-  cv::distanceTransform(cv::Mat(depth < kInside), to_centre, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (int y = 0; y < label.rows; ++y)
     for (int x = 0; x < label.cols; ++x) {
       int& n = number(y, x);
@@ -84,9 +94,8 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
         region.border += 1. / kSeenBorder;
       else if (core(y, x) == 0)
         ++region.rim;
-      region.thickness = std::max(region.thickness, 2. * depth(y, x) - 1);
-      if (to_centre(y, x) < kInside) ++region.wide;
     }
+  if (with_widths) measure_widths(number, label, found.regions);
   explain_regions(number, label, level, noise, found.regions);
   return found;
 }
@@ -107,7 +116,7 @@ FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureG
       const std::size_t r = p * kFigureThresholds.size() + k;
       const cv::Mat1b label = cv::Mat((amplitude > kFigureThresholds[k]) / 255);
       out.labels |= label * (1 << r);
-      out.readings[r] = find_regions(label, frame, level, inner, ground.noise);
+      out.readings[r] = find_regions(label, frame, level, inner, ground.noise, k == 0);
     }
   }
   return out;

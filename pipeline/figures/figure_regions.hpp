@@ -24,7 +24,7 @@ struct FigureRegion {
   int rim = 0;        ///< pixels of the outline further than 2 px from that
   /// Sums of squares, (grey levels)², that a plane and that two levels leave within 8 px of the region.
   double plane = 0, figure = 0;
-  double thickness = 0;  ///< diameter of the largest disc inside
+  double thickness = 0;  ///< diameter of the largest disc inside; at threshold 0 alone, as `wide`
   int wide = 0;          ///< pixels that discs of kWideDisc inside cover
   bool is_figure = false;
   bool is_removed = false;
