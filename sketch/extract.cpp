@@ -42,7 +42,7 @@ namespace {
 
 constexpr double kVisible = 1;         // grey level: what differs by less looks the same
 constexpr double kSignificance = 6;    // SD of the noise's response: a curve begins above it
-constexpr double kHysteresis = 0.4;    // share of that response down to which a curve goes on
+constexpr double kHysteresis = 0.4;    // share of that response down to which a curve continues
 constexpr double kLeastEvidence = 28;  // SD: root of the sum of squares along a curve
 
 // Many faint points count as much as few strong ones.

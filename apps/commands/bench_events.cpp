@@ -89,14 +89,14 @@ void add_bench_events(CLI::App& app, CommandLine& line) {
       ->type_name("KIND,...")
       ->check(CLI::IsMember(names).description(""));
   add_number(*command, "--scenes", asked->options.scenes, "N",
-             "Make so many of each kind, with seeds from --seed on");
+             "Make this number of each kind, with seeds from --seed on");
   add_number(*command, "--frames", asked->options.frames, "N", "Frames of a scene, 60 to 1000");
   command->add_option("--picture", asked->picture, "Let this image sway; unless given, a drawn one")
       ->type_name("FILE");
   command->add_option("--entry", asked->entries, "Score FOLDER/SCENE.json of another program too; may repeat")
       ->type_name("NAME=FOLDER");
   command->add_flag("--make-only", asked->options.make_only, "Find no events; score the entries, if any");
-  command->add_flag("--bottom-up", asked->options.bottom_up, "Take emberfold's match as it is");
+  command->add_flag("--bottom-up", asked->options.bottom_up, "Report emberfold's match unchanged");
   finish_command(*command, line, asked, run_bench_events);
 }
 

@@ -55,7 +55,8 @@ void add_quilt_settings(Settings& settings, QuiltRequest& request) {
   settings.add("quilt", "flatten", &request.flatten, "PX",
                "Remove gradients wider than this from the clips; 0: none", "0, 1 to 4096");
   settings.add("quilt", "memory", &request.memory, "MB",
-               "Keep so much of the clips in memory, the rest in a file beside OUT", "0 to 1000000");
+               "Keep at most this much of the clips in memory, the rest in a file next to OUT",
+               "0 to 1000000");
   settings.add_word("quilt", "seams", request.seams, {"still", "moving"}, "",
                     "Join blocks along the same path in every frame, or let seams move in space and time");
   settings.add_word("quilt", "surface", request.surface, {}, "MESH.obj",

@@ -144,8 +144,8 @@ HiddenGraph forward(const SamplerParameters& theta, std::uint32_t purpose, std::
   return simulate_prior(theta, kSize, kSize, kFrames, kFreeGates, rng);
 }
 
-/// Chains of so many moves in all, each from a draw of its own, against so many draws. Their means are
-/// independent, so the test holds however slowly a chain mixes.
+/// Compares chains of `moves` moves in all, each begun at a draw of its own, with `draws` draws. Their means
+/// are independent, so the test holds however slowly a chain mixes.
 void check_prior(int moves, std::uint32_t draws) {
   constexpr std::uint32_t kChains = 200;
   const SamplerParameters theta = small_theta();
