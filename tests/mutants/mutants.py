@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Does the work of scripts/test-mutants: puts the faults of tests/mutants/*.json into a copy of the sources, each
+"""Does the work of scripts/test-mutants: puts the faults of tests/mutants/faults.txt into a copy of the sources, each
 behind a switch that is set at run time, builds the tests there, and looks whether the test that each fault names fails.
 
-A fault of the table has a name, the file that it is in, the original text, which is there once together with what
-stands before and after it (`before`, `after`; optional), the faulty text in its place, and the test that must catch
-it, of the room's program unless another `program` is named. Both texts are expressions, with `statement` statements."""
+In the table each file is followed by its faults, a line each: BEFORE «ORIGINAL => FAULTY» AFTER | TEST. The original,
+with what stands before and after it, is in the file once; white space does not count, so that the code may be laid out
+anew. Original and faulty text are expressions or, where the original ends with a semicolon, statements. TEST is of the
+room's program and must catch the fault."""
 import argparse
 import concurrent.futures
-import json
 import os
 import re
 import shutil
@@ -23,7 +23,6 @@ ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 WORK = ROOT / "build" / "mutants"
 COPY, BUILD = WORK / "source", WORK / "build"
-ROOMS = ("core", "sketch", "graph", "mcmc", "dytex", "pipeline")
 SWITCH = HERE / "emberfold_fault.hpp"
 CONFIGURE = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
              "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -D_GLIBCXX_ASSERTIONS", "-DCMAKE_CXX_FLAGS=-w",
@@ -37,56 +36,53 @@ class Wrong(Exception):
     """What a person has to mend: the table, the code or a test."""
 
 
-def fault_number(name):
-    """The same whatever other faults there are, so that a new one rebuilds only its own file."""
-    return zlib.crc32(name.encode()) % 2**31
-
-
 def read_faults():
-    faults = []
-    for room in ROOMS:
-        for fault in json.loads((HERE / f"{room}.json").read_text()):
-            fault.setdefault("program", f"test_{room}")
-            if not {"name", "file", "original", "faulty", "test"} <= fault.keys():
-                raise Wrong(f"{room}.json: the fault {fault.get('name', fault)} lacks a field")
-            if not fault["file"].startswith(room + "/"):
-                raise Wrong(f"{room}.json: the fault {fault['name']} is in {fault['file']}, another room")
-            faults.append(fault)
-    names = [fault["name"] for fault in faults]
-    numbers = [fault_number(name) for name in names]
-    for name in names:
-        if numbers.count(fault_number(name)) > 1:
-            raise Wrong(f"the fault {name} has a name, or the number of a name, that is there twice")
+    faults, file = [], ""
+    for number, line in enumerate((HERE / "faults.txt").read_text().splitlines(), 1):
+        if not line.startswith(" "):
+            file = line
+            continue
+        parts = re.fullmatch(r"  (.*?)«(.*) => (.*)»(.*) \| (.*)", line)
+        if not parts:
+            raise Wrong(f"faults.txt:{number}: no fault: {line.strip()}")
+        before, original, faulty, after, test = parts.groups()
+        faults.append({"name": f"{file}: {original} => {faulty}", "file": file, "before": before, "original": original,
+                       "faulty": faulty, "after": after, "test": test, "program": f"test_{file.split('/')[0]}",
+                       "number": zlib.crc32(f"{file}{line}".encode()) % 2**31})  # the same whatever others there are
+    if len({fault["number"] for fault in faults}) < len(faults):
+        raise Wrong("faults.txt: two faults have one number")
     return faults
+
+
+def pattern(text):
+    """What finds this code however its white space is laid out."""
+    found = r"\s*".join(re.escape(token) for token in re.findall(r"\w+|\S", text))
+    return re.sub(r"(?<=\w)\\s\*(?=\w)", r"\\s+", found)
 
 
 def find_fault(fault, text):
     """Where the fault's original text begins and ends."""
-    before, original, after = fault.get("before", ""), fault["original"], fault.get("after", "")
-    found = text.count(before + original + after)
-    if found != 1:
-        raise Wrong(f"the fault {fault['name']} is out of date: its original is in {fault['file']} {found} times,"
-                    " not once")
-    begin = text.index(before + original + after) + len(before)
-    return begin, begin + len(original)
+    before, original, after = (pattern(fault[key]) for key in ("before", "original", "after"))
+    found = list(re.finditer(rf"{before}\s*({original})\s*{after}", text))
+    if len(found) != 1:
+        raise Wrong(f"a fault is out of date, its original is in the file {len(found)} times, not once: {fault['name']}")
+    return found[0].span(1)
 
 
-def switched(fault):
-    number, original, faulty = fault_number(fault["name"]), fault["original"], fault["faulty"]
-    if fault.get("statement"):
-        return f"if (emberfold_fault({number})) {{ {faulty} }} else {{ {original} }}"
-    return f"(emberfold_fault({number}) ? ({faulty}) : ({original}))"
+def switched(fault, original):
+    if original.endswith(";"):
+        return f"if (emberfold_fault({fault['number']})) {{ {fault['faulty']} }} else {{ {original} }}"
+    return f"(emberfold_fault({fault['number']}) ? ({fault['faulty']}) : ({original}))"
 
 
-def with_faults(file, text, faults):
+def with_faults(text, faults):
     """The text with all of the file's faults in it."""
-    places = sorted((*find_fault(fault, text), fault["name"]) for fault in faults)
-    for (_, end, name), (begin, _, other) in zip(places, places[1:]):
+    places = sorted(((*find_fault(fault, text), fault) for fault in faults), key=lambda place: place[:2])
+    for (_, end, one), (begin, _, other) in zip(places, places[1:]):
         if begin < end:
-            raise Wrong(f"the faults {name} and {other} overlap in {file}")
-    by_name = {fault["name"]: fault for fault in faults}
-    for begin, end, name in reversed(places):
-        text = text[:begin] + switched(by_name[name]) + text[end:]
+            raise Wrong(f"faults overlap: {one['name']} and {other['name']}")
+    for begin, end, fault in reversed(places):
+        text = text[:begin] + switched(fault, text[begin:end]) + text[end:]
     # On the line of the licence, so that all others keep their numbers.
     return f'#include "tests/mutants/{SWITCH.name}"  {text}'
 
@@ -99,8 +95,8 @@ def texts_with_faults(faults):
     texts = {}
     for file, there in of_file.items():
         if not (ROOT / file).is_file():
-            raise Wrong(f"the fault {there[0]['name']} is out of date: there is no {file}")
-        texts[file] = with_faults(file, (ROOT / file).read_text(), there)
+            raise Wrong(f"faults.txt: there is no {file}")
+        texts[file] = with_faults((ROOT / file).read_text(), there)
     return texts
 
 
@@ -147,9 +143,9 @@ def check_tests(faults):
         names, slow = listed_tests(program), listed_tests(program, "[slow]")
         for fault in faults:
             if fault["program"] == program and fault["test"] not in names:
-                raise Wrong(f"the fault {fault['name']} names a test that {program} does not have: {fault['test']}")
+                raise Wrong(f"the fault {fault['name']} needs a test that {program} does not have: {fault['test']}")
             if fault["program"] == program and fault["test"] in slow:
-                raise Wrong(f"the fault {fault['name']} names a test that is slow: {fault['test']}")
+                raise Wrong(f"the fault {fault['name']} needs a test that is slow: {fault['test']}")
 
 
 def run_test(program, test, number):
@@ -186,27 +182,28 @@ def run_faults(faults, pool):
     """Prints a line for each fault. Returns the names of those that no test noticed."""
     print(f"== {len(faults)} faults, each with its test", flush=True)
     survivors = []
-    results = pool.map(lambda fault: run_test(fault["program"], fault["test"], fault_number(fault["name"])), faults)
+    results = pool.map(lambda fault: run_test(fault["program"], fault["test"], fault["number"]), faults)
     for fault, (outcome, seconds) in zip(faults, results):
         caught = {"passed": "SURVIVED", "failed": "caught"}.get(outcome, f"caught ({outcome})")
-        print(f"{fault['name']:52s} {caught:22s} {seconds:5.1f} s  {fault['program']}, {fault['test']}", flush=True)
+        print(f"{caught:22s} {seconds:5.1f} s  {fault['name']}  | {fault['test']}", flush=True)
         if outcome == "passed":
             survivors.append(fault["name"])
     return survivors
 
 
-def select(faults, names):
-    for name in names:
-        if name not in {fault["name"] for fault in faults}:
-            raise Wrong(f"there is no fault {name}; --list tells their names")
-    return [fault for fault in faults if not names or fault["name"] in names]
+def select(faults, texts):
+    for text in texts:
+        if not any(text in fault["name"] or text in fault["test"] for fault in faults):
+            raise Wrong(f"no fault or test has the text {text}; --list shows them")
+    return [f for f in faults if not texts or any(text in f["name"] or text in f["test"] for text in texts)]
 
 
 def main():
     parser = argparse.ArgumentParser(prog="scripts/test-mutants", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter,
                                      epilog="Exits 0 where every fault is caught.")
-    parser.add_argument("--only", metavar="NAME", action="append", default=[], help="this fault (can be repeated)")
+    parser.add_argument("--only", metavar="TEXT", action="append", default=[],
+                        help="faults whose file, code or test has this text (can be repeated)")
     parser.add_argument("--list", action="store_true",
                         help="tells the faults, their files and tests, and whether they fit the code; runs nothing")
     parser.add_argument("--jobs", metavar="N", type=int, default=os.cpu_count(),
@@ -218,7 +215,7 @@ def main():
     if asked.list:
         texts_with_faults(faults)
         for fault in chosen:
-            print(f"{fault['name']:52s} {fault['file']:44s} {fault['program']}, {fault['test']}")
+            print(f"{fault['name']}  | {fault['test']}")
         return 0
     make_copy(faults)
     build(sorted({fault["program"] for fault in chosen}), asked.jobs)

@@ -5,7 +5,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/math/nelder_mead.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "mcmc/learning/ar_kalman.hpp"
@@ -182,22 +181,6 @@ TEST_CASE("A law that is not stable has no likelihood", "[likelihood]") {
   for (const MotionLaw& law : {MotionLaw{1.2, 0, 0, 1, 0, 0}, MotionLaw{2, -1, 0, 1, 0, 0},
                                MotionLaw{-0.9, 0, 0.4, 1, 0, 0}, MotionLaw{1, 0, 0, 0, 1, 0}})
     CHECK(mcmc::detail::log_likelihood(paths, law) == -std::numeric_limits<double>::infinity());
-}
-
-TEST_CASE("The simplex finds the bottom of a bent valley and stays out of the infinite", "[likelihood]") {
-  const auto valley = [](const VectorXd& x) {
-    if (x[0] < -1.5) return std::numeric_limits<double>::infinity();
-    return 100 * std::pow(x[1] - x[0] * x[0], 2) + std::pow(1 - x[0], 2);
-  };
-  const auto found = core::detail::minimize_nelder_mead(valley, Eigen::Vector2d(-1.2, 1),
-                                                        Eigen::Vector2d(0.5, 0.5), 1e-14, 1000);
-  CHECK_THAT(found.at[0], near(1, 1e-4));
-  CHECK_THAT(found.at[1], near(1, 1e-4));
-  int asked = 0;
-  (void)core::detail::minimize_nelder_mead([&](const VectorXd& x) { return ++asked, valley(x); },
-                                           Eigen::Vector2d(-1.2, 1), Eigen::Vector2d(0.5, 0.5), 0, 60);
-  CHECK(asked >= 60);
-  CHECK(asked < 65);
 }
 
 TEST_CASE("Short paths tell their law where least squares about their means is biased", "[likelihood]") {
