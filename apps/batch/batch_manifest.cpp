@@ -67,7 +67,7 @@ std::vector<BatchEntry> read_manifest(const fs::path& folder) {
     for (const auto& run : value.at("runs")) entries.push_back(read_entry(run));
     return entries;
   } catch (const nlohmann::json::exception&) {
-    throw core::IoError(path.string() + " is no list of runs that emberfold batch wrote");
+    throw core::IoError(path.string() + " is no list of runs that emberfold runs batch wrote");
   } catch (const core::IoError& reason) {
     throw core::IoError(path.string() + ": " + reason.what());
   }
@@ -86,7 +86,7 @@ BatchLock::BatchLock(const fs::path& folder) {
     throw core::IoError("cannot write " + path.string() + ": " + std::generic_category().message(errno));
   if (::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
   ::close(file_);
-  throw core::IoError("another emberfold batch is at work in " + folder.string());
+  throw core::IoError("another emberfold runs batch is at work in " + folder.string());
 }
 
 BatchLock::~BatchLock() {

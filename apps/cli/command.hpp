@@ -76,17 +76,18 @@ struct CommandLine {
 void add_analyze(CLI::App& app, CommandLine& line);
 void add_sketch(CLI::App& app, CommandLine& line);
 void add_score(CLI::App& app, CommandLine& line);
-void add_bench_events(CLI::App& app, CommandLine& line);
 void add_synthesis(CLI::App& app, CommandLine& line);
-void add_morph(CLI::App& app, CommandLine& line);
 void add_motion(CLI::App& app, CommandLine& line);
 void add_motion_likelihood(CLI::App& motion, CommandLine& line);
+void add_morph(CLI::App& motion, CommandLine& line);
 void add_demo(CLI::App& app, CommandLine& line);
 void add_dytex(CLI::App& app, CommandLine& line);
 void add_compare(CLI::App& app, CommandLine& line);
 void add_quilt(CLI::App& app, CommandLine& line);
-void add_batch(CLI::App& app, CommandLine& line);
-void add_gather(CLI::App& app, CommandLine& line);
+void add_runs(CLI::App& app, CommandLine& line);
+void add_batch(CLI::App& runs, CommandLine& line);
+void add_gather(CLI::App& runs, CommandLine& line);
+void add_bench_events(CLI::App& runs, CommandLine& line);
 void add_export(CLI::App& app, CommandLine& line);
 
 /// Returns the peak memory of the process, MB.

@@ -33,6 +33,16 @@ std::string command_line_text(int count, char** words) {
   return text;
 }
 
+/// Puts the group before a command that had no group once ("batch" is "runs batch").
+void name_group(std::vector<std::string>& words) {
+  if (words.empty()) return;
+  const std::string& name = words.front();
+  if (name == "batch" || name == "gather" || name == "bench-events")
+    words.insert(words.begin(), "runs");
+  else if (name == "morph")
+    words.insert(words.begin(), "motion");
+}
+
 int run(apps::Console& console, const apps::CommandLine& line, const std::string& text) {
   const apps::InterruptWatch watch;
   apps::Session session{console, {}, text, line.common};
@@ -73,23 +83,21 @@ int parse_and_run(int count, char** words, apps::Console& console) {
   app.require_subcommand(0, 1);
   apps::CommandLine line;
   line.words.assign(words + 1, words + count);
+  name_group(line.words);
   apps::add_analyze(app, line);
-  apps::add_batch(app, line);
-  apps::add_gather(app, line);
+  apps::add_runs(app, line);
   apps::add_export(app, line);
   apps::add_synthesis(app, line);
-  apps::add_morph(app, line);
   apps::add_motion(app, line);
   apps::add_sketch(app, line);
   apps::add_compare(app, line);
   apps::add_dytex(app, line);
   apps::add_quilt(app, line);
   apps::add_score(app, line);
-  apps::add_bench_events(app, line);
   apps::add_demo(app, line);
   apps::add_help(app, line);
   try {
-    app.parse(count, words);
+    app.parse(std::vector<std::string>(line.words.rbegin(), line.words.rend()));
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {

@@ -223,17 +223,17 @@ void run_batch(const Batch& asked, Session& session) {
   if (const auto failed = count("failed"); failed > 0)
     throw core::IoError(std::to_string(failed) + of_all + "failed; " + list +
                         " tells why, the same command tries again");
-  session.console.say(std::to_string(plan.size()) + " clips are done; 'emberfold gather " + asked.output +
-                      "' makes one table of them");
+  session.console.say(std::to_string(plan.size()) + " clips are done; 'emberfold runs gather " +
+                      asked.output + "' makes one table of them");
 }
 
 }  // namespace
 
-void add_batch(CLI::App& app, CommandLine& line) {
-  auto* command =
-      add_command(app, "batch", "Analyse many clips, each into a folder of its own; goes on where it was", R"(
-  emberfold batch 'clips/*.avi' -o runs --jobs 2
-  emberfold batch clips/wild clips/mutant -o runs --pixel-size 0.065um --fps 30)");
+void add_batch(CLI::App& runs, CommandLine& line) {
+  auto* command = add_command(runs, "batch",
+                              "Analyse many clips, each into a folder of its own; goes on where it was", R"(
+  emberfold runs batch 'clips/*.avi' -o runs --jobs 2
+  emberfold runs batch clips/wild clips/mutant -o runs --pixel-size 0.065um --fps 30)");
   const auto asked = std::make_shared<Batch>();
   command->add_option("CLIPS", asked->clips, "Clips, folders of clips, or patterns in quotes")
       ->required()

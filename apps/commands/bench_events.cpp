@@ -58,7 +58,7 @@ void run_bench_events(const BenchEvents& asked, Session& session) {
     output.write("bench.csv", [&](std::ostream& out) { out << benchmark_csv(rows); });
     output.write("bench.json", [&](std::ostream& out) { out << json_text(json); });
   }
-  auto summary = begin_summary("bench-events", session);
+  auto summary = begin_summary("runs bench-events", session);
   summary["scenes"] = options.scenes, summary["frames"] = options.frames;
   end_summary(summary, session, stages);
   write_summary(output, summary);
@@ -71,13 +71,13 @@ void run_bench_events(const BenchEvents& asked, Session& session) {
 
 }  // namespace
 
-void add_bench_events(CLI::App& app, CommandLine& line) {
-  auto* command = add_command(app, "bench-events",
+void add_bench_events(CLI::App& runs, CommandLine& line) {
+  auto* command = add_command(runs, "bench-events",
                               "Make scenes whose events are known, and score programs that look for them", R"(
-  emberfold bench-events -o out/bench
-  emberfold bench-events -o out/bench --scenes 5 --only folds,networks
-  emberfold bench-events -o out/bench --make-only
-  emberfold bench-events -o out/bench --entry tracker=out/tracker)");
+  emberfold runs bench-events -o out/bench
+  emberfold runs bench-events -o out/bench --scenes 5 --only folds,networks
+  emberfold runs bench-events -o out/bench --make-only
+  emberfold runs bench-events -o out/bench --entry tracker=out/tracker)");
   const auto asked = std::make_shared<BenchEvents>();
   add_output(*command, asked->output);
   std::vector<std::string> names;

@@ -53,7 +53,7 @@ void run_gather(const Gather& asked, Session& session) {
   write_gathered_table(table, gathered, statistics);
   output.write("table.csv", [&](std::ostream& out) { out << table.str(); });
   stages.end();
-  auto summary = begin_summary("gather", session);
+  auto summary = begin_summary("runs gather", session);
   summary["words"] = gathered_words(gathered, statistics);
   summary["gathered"] = json;
   summary["files"] = {{"table.csv", "a line for each clip and group, and kind of event"},
@@ -75,11 +75,11 @@ void run_gather(const Gather& asked, Session& session) {
 
 }  // namespace
 
-void add_gather(CLI::App& app, CommandLine& line) {
+void add_gather(CLI::App& runs, CommandLine& line) {
   auto* command =
-      add_command(app, "gather", "Make one table and report of many analysed clips, and compare groups", R"(
-  emberfold gather runs
-  emberfold gather runs -o out/gathered --groups groups.csv)");
+      add_command(runs, "gather", "Make one table and report of many analysed clips, and compare groups", R"(
+  emberfold runs gather runs
+  emberfold runs gather runs -o out/gathered --groups groups.csv)");
   const auto asked = std::make_shared<Gather>();
   command->add_option("RUNS", asked->runs, "Folder of runs; those in one folder are a group")
       ->required()

@@ -177,7 +177,7 @@ Json end_json(const std::string& name, int frame, const graph::AttributeGraph& g
 
 Json summarise(const Morphing& asked, const io::ReadOptions& read, const MorphEnd& from, const MorphEnd& to,
                const graph::Morph& morph, const Session& session) {
-  Json summary = begin_summary("morph", session);
+  Json summary = begin_summary("motion morph", session);
   summary["from"] = end_json(asked.from, asked.at, from.graph);
   summary["to"] = end_json(asked.to, asked.until, to.graph);
   summary["options"] = {{"reading", reading_json(read)},
@@ -242,11 +242,12 @@ void run_morph(const Morphing& asked, Session& session) {
 
 }  // namespace
 
-void add_morph(CLI::App& app, CommandLine& line) {
-  auto* command = add_command(app, "morph", "Walk the shortest path between the graphs of two pictures", R"(
-  emberfold morph a.png b.png -o out/morph
-  emberfold morph fire.mp4 fire.mp4 --at 10 --to 60 -o out/morph --frames 60
-  emberfold morph out/fire/sketch.jsonl b.png --at 10 -o out/morph)");
+void add_morph(CLI::App& motion, CommandLine& line) {
+  auto* command =
+      add_command(motion, "morph", "Walk the shortest path between the graphs of two pictures", R"(
+  emberfold motion morph a.png b.png -o out/morph
+  emberfold motion morph fire.mp4 fire.mp4 --at 10 --to 60 -o out/morph --frames 60
+  emberfold motion morph out/fire/sketch.jsonl b.png --at 10 -o out/morph)");
   const auto asked = std::make_shared<Morphing>();
   command->add_option("A", asked->from, "Begin at this picture, or at a frame of this clip or sketch.jsonl")
       ->required()

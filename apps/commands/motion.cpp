@@ -160,15 +160,18 @@ void add_info(CLI::App& motion, CommandLine& line) {
 }  // namespace
 
 void add_motion(CLI::App& app, CommandLine& line) {
-  auto* command = add_command(app, "motion", "Edit and describe motion models, and judge clips by them", R"(
+  auto* command =
+      add_command(app, "motion", "Edit and describe motion models, judge clips by them, and morph graphs", R"(
   emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
   emberfold synth out/wild -o wild.mp4
   emberfold motion info out/wild
-  emberfold motion likelihood out/fire/model out/fire)");
+  emberfold motion likelihood out/fire/model out/fire
+  emberfold motion morph a.png b.png -o out/morph)");
   command->require_subcommand(0, 1);
   add_edit(*command, line);
   add_info(*command, line);
   add_motion_likelihood(*command, line);
+  add_morph(*command, line);
 }
 
 }  // namespace emberfold::apps

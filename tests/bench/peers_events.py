@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Events by segmentation and overlap, for `emberfold bench-events --entry`.   peers_events.py BENCH OUT [ridge|threshold]
+"""Events by segmentation and overlap, for `emberfold runs bench-events --entry`.   peers_events.py BENCH OUT [ridge|threshold]
 
-BENCH is the folder of `emberfold bench-events`; OUT gets SCENE.json for each of its scenes. Lines are segmented frame by frame (ridge:
+BENCH is the folder of `emberfold runs bench-events`; OUT gets SCENE.json for each of its scenes. Lines are segmented frame by frame (ridge:
 the larger eigenvalue of the Hessian at 2 px, bright and dark, with hysteresis; threshold: Otsu's, on the frame less its median over
 41 px), components below 30 px dropped, and components of neighbouring frames that overlap, once grown by 3 px, are linked. What is
 linked to nothing was born or died; where links fork, components split or merged. Needs NumPy, SciPy and OpenCV."""

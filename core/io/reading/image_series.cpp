@@ -109,7 +109,7 @@ void refuse_stacks(const std::vector<fs::path>& files) {
     if (const int pages = pages_alike(file); pages > 1)
       throw core::InputError(file.string() + " is a stack of " + std::to_string(pages) +
                              " pages, a clip of its own among " + std::to_string(files.size()) +
-                             " images; name the file itself, or use 'emberfold batch' for all");
+                             " images; name the file itself, or use 'emberfold runs batch' for all");
 }
 
 }  // namespace emberfold::io

@@ -94,7 +94,8 @@ TEST_CASE("a batch analyses clips that can be, says why others cannot, and does 
   const TempFolder temp;
   make_clips(temp);
   const auto runs = temp / "runs";
-  const auto batch = joined({"batch", (temp / "clips").string(), "-o", runs.string(), "--jobs", "2"}, kQuick);
+  const auto batch =
+      joined({"runs", "batch", (temp / "clips").string(), "-o", runs.string(), "--jobs", "2"}, kQuick);
   const auto first = run_command(batch);
   INFO(first.err);
   CHECK(first.exit == 1);
@@ -134,7 +135,7 @@ TEST_CASE("a batch that is stopped keeps what is done, and goes on") {
   make_clips(temp);
   fs::remove(temp / "clips/mutant/broken.avi");
   const auto runs = temp / "runs";
-  const auto batch = joined({"batch", (temp / "clips").string(), "-o", runs.string()}, kQuick);
+  const auto batch = joined({"runs", "batch", (temp / "clips").string(), "-o", runs.string()}, kQuick);
   for (const int signal : {SIGTERM, SIGKILL}) {
     CommandOptions options;
     options.signal = signal;
@@ -157,23 +158,25 @@ TEST_CASE("what a batch is not asked rightly is told in one line, and nothing is
   const TempFolder temp;
   make_clips(temp);
   const auto clips = (temp / "clips").string(), out = (temp / "runs").string();
-  check_one_line({"batch", clips + "/none*.avi", "-o", out, "-q"}, 2, {"none*.avi", "fits no"}, out);
-  check_one_line({"batch", clips, "-o", out, "-q", "--jobs", "0"}, 2, {"--jobs", "0", "1"}, out);
-  check_one_line({"batch", clips, "-o", out, "-q", "--set", "sketch.spacing=1"}, 2, {"sketch.spacing"}, out);
+  check_one_line({"runs", "batch", clips + "/none*.avi", "-o", out, "-q"}, 2, {"none*.avi", "fits no"}, out);
+  check_one_line({"runs", "batch", clips, "-o", out, "-q", "--jobs", "0"}, 2, {"--jobs", "0", "1"}, out);
+  check_one_line({"runs", "batch", clips, "-o", out, "-q", "--set", "sketch.spacing=1"}, 2,
+                 {"sketch.spacing"}, out);
   fs::create_directory(temp / "runs");
   std::ofstream(temp / "runs/batch.json") << "[]";
-  check_one_line({"batch", clips, "-o", out, "-q"}, 1, {"batch.json"});
+  check_one_line({"runs", "batch", clips, "-o", out, "-q"}, 1, {"batch.json"});
   fs::remove(temp / "runs/batch.json");
   const apps::BatchLock lock(temp / "runs");
-  check_one_line({"batch", clips, "-o", out, "-q"}, 1, {"another", "runs"});
+  check_one_line({"runs", "batch", clips, "-o", out, "-q"}, 1, {"another", "runs"});
 }
 
 TEST_CASE("gathered runs make one table, a report, and say what groups differ in") {
   const TempFolder temp;
   make_clips(temp);
   const auto runs = temp / "runs";
-  run_command(joined({"batch", (temp / "clips").string(), "-o", runs.string(), "-q", "--fps", "10"}, kQuick));
-  const auto gathered = run_command({"gather", runs.string(), "--json"});
+  run_command(
+      joined({"runs", "batch", (temp / "clips").string(), "-o", runs.string(), "-q", "--fps", "10"}, kQuick));
+  const auto gathered = run_command({"runs", "gather", runs.string(), "--json"});
   INFO(gathered.err);
   REQUIRE(gathered.exit == 0);
   const Json summary = Json::parse(gathered.out);
@@ -196,19 +199,20 @@ TEST_CASE("gathered runs make one table, a report, and say what groups differ in
   CHECK(contains(page, "../wild/a/report.html"));
   CHECK(contains(page, "broken"));
   // Gathered once more, the result is no run itself.
-  const auto again = run_command({"gather", runs.string(), "--json", "-q"});
+  const auto again = run_command({"runs", "gather", runs.string(), "--json", "-q"});
   CHECK(Json::parse(again.out)["gathered"] == summary["gathered"]);
 
   std::ofstream(temp / "groups.csv") << "run,group\nwild/a,x\nwild/b,\"y\"\n";
-  const auto groups = run_command({"gather", runs.string(), "-o", (temp / "g").string(), "--groups",
+  const auto groups = run_command({"runs", "gather", runs.string(), "-o", (temp / "g").string(), "--groups",
                                    (temp / "groups.csv").string(), "--json", "-q"});
   INFO(groups.err);
   REQUIRE(groups.exit == 0);
   CHECK(Json::parse(groups.out)["gathered"]["groups"].size() == 3);
   std::ofstream(temp / "groups.csv") << "run,group\nwild/nobody,x\n";
-  check_one_line({"gather", runs.string(), "-o", (temp / "h").string(), "--groups",
+  check_one_line({"runs", "gather", runs.string(), "-o", (temp / "h").string(), "--groups",
                   (temp / "groups.csv").string(), "-q"},
                  1, {"wild/nobody"}, temp / "h");
-  check_one_line({"gather", (temp / "clips").string(), "-q"}, 1, {"holds no run"}, temp / "clips/gathered");
-  check_one_line({"gather", (temp / "none").string(), "-q"}, 1, {"none", "no folder"});
+  check_one_line({"runs", "gather", (temp / "clips").string(), "-q"}, 1, {"holds no run"},
+                 temp / "clips/gathered");
+  check_one_line({"runs", "gather", (temp / "none").string(), "-q"}, 1, {"none", "no folder"});
 }

@@ -8,8 +8,8 @@ TEST_CASE("bench-events makes scenes, and scores a program that knows the truth 
   const TempFolder temp;
   const std::string out = (temp / "bench").string();
   const std::vector<std::string> make{
-      "bench-events", "-o", out,           "--only", "networks,filaments", "--frames", "60",
-      "--scenes",     "2",  "--make-only", "-q"};
+      "runs",     "bench-events", "-o",       out, "--only",      "networks,filaments",
+      "--frames", "60",           "--scenes", "2", "--make-only", "-q"};
   REQUIRE(run_command(make).exit == 0);
   fs::create_directories(temp / "oracle");
   for (const char* scene : {"networks_1", "networks_2", "filaments_1", "filaments_2"}) {
@@ -33,7 +33,8 @@ TEST_CASE("what bench-events does not take is told") {
   const TempFolder temp;
   const std::string out = (temp / "bench").string();
   const auto error_of = [&](const std::vector<std::string>& more) {
-    const auto result = run_command(joined({"bench-events", "-o", out, "-q", "--only", "folds"}, more));
+    const auto result =
+        run_command(joined({"runs", "bench-events", "-o", out, "-q", "--only", "folds"}, more));
     CHECK(result.exit != 0);
     return result.err;
   };

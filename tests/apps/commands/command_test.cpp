@@ -267,7 +267,7 @@ TEST_CASE("an overview, help that opens with examples and shows the defaults, th
   CHECK(overview.exit == 0);
   for (const char* word : {"Examples:", "analyze", "sketch", "synth", "dytex", "compare", "score", "demo"})
     CHECK(contains(overview.out, word));
-  for (const char* command : {"analyze", "sketch", "synth", "compare", "score", "bench-events", "demo"}) {
+  for (const char* command : {"analyze", "sketch", "synth", "compare", "score", "demo"}) {
     const auto help = run_command({command, "--help"});
     CHECK(help.exit == 0);
     CHECK(help.err.empty());
@@ -279,18 +279,20 @@ TEST_CASE("an overview, help that opens with examples and shows the defaults, th
     CHECK(run_command({"help", command}).out == help.out);
   }
   CHECK(run_command({"help"}).out == overview.out);
+  CHECK(run_command({"batch", "--help"}).out == run_command({"runs", "batch", "--help"}).out);  // an old name
   CHECK(run_command({"--version"}).out.starts_with("emberfold "));
 }
 
 TEST_CASE("the help of every command fits on one screen") {
   std::vector<std::vector<std::string>> commands{{}};
-  for (const char* one : {"analyze", "batch", "gather", "export", "sketch", "synth", "compare", "score",
-                          "bench-events", "demo", "quilt", "dytex", "motion", "morph"})
+  for (const char* one : {"analyze", "runs", "export", "sketch", "synth", "compare", "score", "demo", "quilt",
+                          "dytex", "motion"})
     commands.push_back({one});
+  for (const char* one : {"batch", "gather", "bench-events"}) commands.push_back({"runs", one});
   for (const char* one : {"learn", "edit", "synth", "compose", "page", "info", "forecast", "curve",
                           "distance", "classify", "compress"})
     commands.push_back({"dytex", one});
-  for (const char* one : {"edit", "info", "likelihood"}) commands.push_back({"motion", one});
+  for (const char* one : {"edit", "info", "likelihood", "morph"}) commands.push_back({"motion", one});
   for (auto words : commands) {
     words.emplace_back("--help");
     const auto help = run_command(words);

@@ -22,7 +22,7 @@ std::string write_line(const fs::path& path, cv::Point a, cv::Point b, cv::Size 
 }
 
 Json morphed(const std::vector<std::string>& words) {
-  const auto result = run_command(joined({"morph"}, words, {"--json", "-q"}));
+  const auto result = run_command(joined({"motion", "morph"}, words, {"--json", "-q"}));
   INFO(result.err);
   REQUIRE(result.exit == 0);
   return Json::parse(result.out);
@@ -81,13 +81,15 @@ TEST_CASE("a morph refuses pictures of two sizes, missing frames, and options th
   const auto a = write_line(temp / "a.png", {20, 30}, {60, 30}),
              large = write_line(temp / "large.png", {20, 30}, {60, 30}, {200, 90});
   const auto out = temp / "out";
-  check_one_line({"morph", a, large, "-o", out.string(), "-q"}, 1, {"120x90", "200x90", "one size"}, out);
-  check_one_line({"morph", a, a, "-o", out.string(), "--at", "3", "-q"}, 1, {"no frame 3"}, out);
-  check_one_line({"morph", a, a, "-o", out.string(), "--to", "-1"}, 2, {"--to is -1"}, out);
-  check_one_line({"morph", a, a, "-o", out.string(), "--frames", "2"}, 2, {"--frames is 2", "3 to 10000"},
+  check_one_line({"motion", "morph", a, large, "-o", out.string(), "-q"}, 1, {"120x90", "200x90", "one size"},
                  out);
-  check_one_line({"morph", a, a, "-o", out.string(), "--range", "0:1"}, 2, {"--range"}, out);
-  check_one_line({"morph", a, a, "-o", out.string(), "--set", "sketch.spacing=1"}, 2, {"sketch.spacing is 1"},
-                 out);
-  check_one_line({"morph", a, (temp / "none.png").string(), "-o", out.string(), "-q"}, 1, {"none.png"}, out);
+  check_one_line({"motion", "morph", a, a, "-o", out.string(), "--at", "3", "-q"}, 1, {"no frame 3"}, out);
+  check_one_line({"motion", "morph", a, a, "-o", out.string(), "--to", "-1"}, 2, {"--to is -1"}, out);
+  check_one_line({"motion", "morph", a, a, "-o", out.string(), "--frames", "2"}, 2,
+                 {"--frames is 2", "3 to 10000"}, out);
+  check_one_line({"motion", "morph", a, a, "-o", out.string(), "--range", "0:1"}, 2, {"--range"}, out);
+  check_one_line({"motion", "morph", a, a, "-o", out.string(), "--set", "sketch.spacing=1"}, 2,
+                 {"sketch.spacing is 1"}, out);
+  check_one_line({"motion", "morph", a, (temp / "none.png").string(), "-o", out.string(), "-q"}, 1,
+                 {"none.png"}, out);
 }
