@@ -12,7 +12,6 @@
 #include "pipeline/background_texture.hpp"
 #include "pipeline/figures/figures.hpp"
 #include "pipeline/frame_synthesis.hpp"
-#include "pipeline/inference/clip_readings.hpp"
 #include "pipeline/inference/cuts.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
@@ -41,8 +40,6 @@ void check_options(const AnalyzeOptions& options) {
     throw core::InputError("AnalyzeOptions.bottom_up and sample exclude each other");
   if (options.curve_events && options.sample)
     throw core::InputError("AnalyzeOptions.curve_events and sample exclude each other");
-  if (options.in_noise && (options.bottom_up || options.sample))
-    throw core::InputError("AnalyzeOptions.in_noise excludes bottom_up and sample");
   if (!(options.least_probability >= 0 && options.least_probability <= 1))
     throw core::InputError("AnalyzeOptions.least_probability is " +
                            std::to_string(options.least_probability) + "; allowed is 0 to 1");
@@ -60,9 +57,9 @@ void group_curves(Analysis& analysis, const core::Context& context) {
 }
 
 /// Finds the events of the matched clip, of strokes or of curves as `options` ask.
-std::vector<graph::Event> find_events(core::FrameSource& source, const StartSketches& sketches,
-                                      const AnalyzeOptions& options, const graph::MotionGraph& motion,
-                                      core::StageClock& clock, const core::Context& context) {
+std::vector<graph::Event> find_events(core::FrameSource& source, const AnalyzeOptions& options,
+                                      const graph::MotionGraph& motion, core::StageClock& clock,
+                                      const core::Context& context) {
   clock.begin("events");
   core::return_freed_memory();
   const bool of_curves = options.curve_events;
@@ -73,10 +70,7 @@ std::vector<graph::Event> find_events(core::FrameSource& source, const StartSket
   };
   auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
   if (options.bottom_up) return of_topology(graph::stroke_events(read));
-  auto readings = match_readings(sketches.clip.sketch, std::move(read), options.match, of_curves, context);
-  for (const graph::SketchSequence& copy : sketches.perturbed)
-    add_reading_in_noise(readings, copy, options.match, of_curves, context);
-  return of_topology(event_posterior(source, readings, context));
+  return of_topology(event_posterior(source, read, context));
 }
 
 bool holds_figures(const Figures& figures) {
@@ -93,7 +87,7 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figu
     analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
     clock.begin("curves");
     group_curves(analysis, context);
-    analysis.all_events = find_events(source, sketches, options, analysis.motion, clock, context);
+    analysis.all_events = find_events(source, options, analysis.motion, clock, context);
     if (holds_figures(figures)) {
       add_figures(analysis.motion, analysis.all_events, std::move(figures));
       group_curves(analysis, context);
@@ -111,8 +105,8 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figu
     clock.begin("curves");
     group_curves(analysis, context);
     clock.begin("events");
-    auto readings = sampled_readings(sketches.clip.sketch, std::move(sampled.last), options.match, context);
-    analysis.all_events = event_posterior(source, readings, context);
+    analysis.all_events = event_posterior(source, sampled.last.front(), context);
+    weigh_by_samples(sampled.last, analysis.all_events);
     analysis.sampled = std::move(sampled.sampler);
     clock.begin("learn");
   }
@@ -160,10 +154,9 @@ std::optional<LearnedTexture> learn_texture(core::FrameSource& source, const gra
 /// Sketches the clip and the copies that its interpretations need, or reads the sketches that are kept.
 StartSketches sketch_readings(core::FrameSource& source, const AnalyzeOptions& options,
                               const AnalysisStages* stages, const core::Context& context) {
-  constexpr int kWithOneCopy = 3;  // chains
   StartOptions starts = options.starts;
-  if (!options.sample) starts.chains = options.in_noise ? kWithOneCopy : 1;
-  if (stages == nullptr || options.sample || options.in_noise)
+  if (!options.sample) starts.chains = 1;
+  if (stages == nullptr || options.sample)
     return sketch_starts(source, options.sketch, starts, options.seed, context);
   return {stages->sketch(source, options.sketch, context), {}};
 }
@@ -271,7 +264,6 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
 std::optional<Quality> quality(std::string_view name) {
   if (name == "draft") return Quality::draft;
   if (name == "normal") return Quality::normal;
-  if (name == "sure") return Quality::sure;
   return std::nullopt;
 }
 
@@ -279,10 +271,6 @@ void set_quality(AnalyzeOptions& options, Quality quality) {
   if (quality == Quality::draft) {
     options.bottom_up = true;
     options.calibrate.calibrate = 0;
-  } else if (quality == Quality::sure) {
-    if (options.bottom_up || options.sample)
-      throw core::InputError("quality 'sure' weighs events, which bottom_up and sample exclude");
-    options.in_noise = true;
   }
 }
 

@@ -41,10 +41,7 @@ struct AnalyzeOptions {
   bool curve_events = false;  ///< events of curves, not of strokes; touching and crossing are no events
   /// Also follows figures, things wider than a line (find_figures); not with the three options about them.
   bool figures = true;
-  bool sample = false;  ///< sample graphs and links; events are then taken from the samples
-  /// Also looks for events in a copy of the clip with added noise; those found again there are more probable.
-  /// Takes about twice the time.
-  bool in_noise = false;
+  bool sample = false;                 ///< sample graphs and links; events are then taken from the samples
   double least_probability = kLikely;  ///< 0…1, of reported events
   bool keep_sketch = false;            ///< keep sketches as extracted, and the backgrounds of the frames
   /// Answers of a person about the clip's events: taken as facts, the others are inferred anew
@@ -56,14 +53,12 @@ struct AnalyzeOptions {
 
 /// Names the effort spent on a clip's events.
 enum class Quality {
-  draft,   ///< the match unchanged: every event has probability 1; rates are not corrected
-  normal,  ///< events are weighed by what the images show
-  sure     ///< a copy of the clip with added noise is analysed, too: twice the time
+  draft,  ///< the match unchanged: every event has probability 1; rates are not corrected
+  normal  ///< events are weighed by what the images show
 };
 /// Returns the quality of that name; nothing for an unknown name.
 std::optional<Quality> quality(std::string_view name);
 /// Sets the options of a quality; normal changes nothing.
-/// Throws core::InputError for `sure` with bottom_up or sample, which it excludes.
 void set_quality(AnalyzeOptions& options, Quality quality);
 
 /// Holds figures of the texture learned between the strokes.

@@ -10,7 +10,6 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
-#include "graph/matching/time_reversal.hpp"
 #include "pipeline/steady_frames.hpp"
 
 namespace emberfold::pipeline {
@@ -22,7 +21,7 @@ constexpr double kCopyNoise = 2;                    // levels: SD, in luma, of t
 
 std::size_t copies(const std::vector<StartReading>& readings) {
   return static_cast<std::size_t>(
-      std::ranges::count_if(readings, [](const auto& r) { return r.copy.has_value(); }));
+      std::ranges::count_if(readings, [](const auto& copy) { return copy.has_value(); }));
 }
 
 }  // namespace
@@ -36,7 +35,7 @@ std::vector<StartReading> readings(const StartOptions& options) {
   std::vector<StartReading> result;
   std::size_t copy = 0;
   for (int k = 0; k < options.chains; ++k) {
-    result.push_back({k % 4 < 2 ? std::nullopt : std::optional(copy++), k % 2 == 1});
+    result.push_back(k % 2 == 0 ? std::nullopt : std::optional(copy++));
   }
   return result;
 }
@@ -102,7 +101,7 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
                            std::to_string(options.chains) + " chains, which want " +
                            std::to_string(copies(wanted)));
   }
-  const auto first_alike = [&](std::size_t k) { return wanted[k].copy || k < 2 ? k : k % 2; };
+  const auto first_alike = [&](std::size_t k) { return wanted[k] ? k : 0; };
   std::vector<graph::MotionGraph> starts(wanted.size());
   const core::Context quiet = context.with_progress({});  // progress is reported by one thread at a time
   std::mutex reporting;
@@ -111,9 +110,7 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
   core::parallel_for(starts.size(), context, [&](std::size_t k) {
     const StartReading& reading = wanted[k];
     if (first_alike(k) == k) {
-      const auto& sketch = reading.copy ? sketches.perturbed[*reading.copy] : sketches.clip.sketch;
-      auto matched = graph::match(reading.backwards ? graph::reverse_time(sketch) : sketch, match, quiet);
-      starts[k] = reading.backwards ? graph::reverse_time(matched) : std::move(matched);
+      starts[k] = graph::match(reading ? sketches.perturbed[*reading] : sketches.clip.sketch, match, quiet);
     }
     const std::scoped_lock lock(reporting);
     context.report("match", static_cast<double>(++done) / static_cast<double>(starts.size()));
@@ -123,15 +120,6 @@ std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, cons
     if (first_alike(k) != k) starts[k] = starts[first_alike(k)];
   }
   return starts;
-}
-
-std::vector<graph::MotionGraph> dispersed_starts(core::FrameSource& source,
-                                                 const sketch::ExtractOptions& extract,
-                                                 const graph::MatchOptions& match,
-                                                 const StartOptions& options, std::uint64_t seed,
-                                                 const core::Context& context) {
-  match.validate();
-  return match_starts(sketch_starts(source, extract, options, seed, context), match, options, context);
 }
 
 }  // namespace emberfold::pipeline

@@ -28,21 +28,16 @@ struct StartOptions {
     using core::between;
     return std::to_array<core::OptionField<StartOptions>>({
         {"chains", &StartOptions::chains, "N", between(1, 64),
-         "Number of sampler chains, started from the clip forwards, backwards, with noise"},
+         "Number of sampler chains, started from the clip and from copies of it in noise"},
     });
   }
   /// Throws core::InputError naming field, value and range.
   void validate() const;
 };
 
-/// Names one interpretation of the clip.
-struct StartReading {
-  std::optional<std::size_t> copy;  ///< index of the noisy copy; none: the clip itself
-  bool backwards = false;           ///< matched backwards in time, then reversed
-};
-/// Returns the interpretation of each chain. These are the clip forwards, the clip backwards, a noisy copy
-/// forwards, another one backwards, and so on in cycles of four. At least half of all starts are of the clip
-/// itself.
+/// What a chain starts from: the noisy copy of that index; none: the clip itself.
+using StartReading = std::optional<std::size_t>;
+/// Returns what each chain starts from: the clip, a noisy copy, the clip, another copy, and so on.
 std::vector<StartReading> readings(const StartOptions& options);
 
 /// Returns a frame with white Gaussian noise, independent in all channels and not clipped; luma has the SD
@@ -63,17 +58,9 @@ StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOpti
                             const StartOptions& options, std::uint64_t seed, const core::Context& context);
 
 /// Matches every interpretation and returns a start for each chain, with strokes identified.
-/// Chains with the same interpretation start alike. Forward and backward matching differ in ambiguous
-/// matches, since velocities are predicted. Throws InputError where the number of copies does not fit the
-/// interpretations, and core::Cancelled.
+/// Chains with the same interpretation start alike. Throws InputError where the number of copies does not fit
+/// the interpretations, and core::Cancelled.
 std::vector<graph::MotionGraph> match_starts(const StartSketches& sketches, const graph::MatchOptions& match,
                                              const StartOptions& options, const core::Context& context);
-
-/// Sketches and matches dispersed starts, since chains cannot cross every barrier between interpretations.
-std::vector<graph::MotionGraph> dispersed_starts(core::FrameSource& source,
-                                                 const sketch::ExtractOptions& extract,
-                                                 const graph::MatchOptions& match,
-                                                 const StartOptions& options, std::uint64_t seed,
-                                                 const core::Context& context);
 
 }  // namespace emberfold::pipeline

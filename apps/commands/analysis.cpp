@@ -234,7 +234,6 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
                         {"bottom_up", options.bottom_up},
                         {"curve_events", options.curve_events},
                         {"sample", options.sample},
-                        {"in_noise", options.in_noise},
                         {"least_probability", options.least_probability},
                         {"calibrate", options_json(options.calibrate)},
                         {"texture", options.texture}};

@@ -120,12 +120,8 @@ void run_analyze(const Analyze& asked, Session& session) {
 
 void apply_quality(const std::string& name, AnalyzeOptions& options) {
   const auto quality = pipeline::quality(name);
-  if (!quality) throw Misuse("--quality is " + name + "; allowed is draft, normal or sure");
-  try {
-    pipeline::set_quality(options, *quality);
-  } catch (const core::InputError&) {
-    throw Misuse("--quality sure weighs events, which --bottom-up and --sample exclude");
-  }
+  if (!quality) throw Misuse("--quality is " + name + "; allowed is draft or normal");
+  pipeline::set_quality(options, *quality);
 }
 
 }  // namespace
@@ -151,7 +147,7 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
   auto& options = asked.options;
   command
       .add_option("--quality", asked.quality,
-                  "draft (events as matched), normal (weighed) or sure (read in noise, too)")
+                  "draft (events as matched) or normal (weighed by what the clip shows)")
       ->type_name("HOW")
       ->default_str(asked.quality);
   auto* const bottom_up = command.add_flag("--bottom-up", options.bottom_up,

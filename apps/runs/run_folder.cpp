@@ -59,7 +59,7 @@ std::optional<RunKeys> run_keys(const std::string& clip, const std::string& revi
   keys.stages.motion = hash(
       {keys.stages.sketch, number, options_json(options.match).dump(), options_json(options.starts).dump(),
        options_json(options.infer).dump(),
-       flags({options.bottom_up, options.curve_events, options.figures, options.sample, options.in_noise})});
+       flags({options.bottom_up, options.curve_events, options.figures, options.sample})});
   keys.stages.model = hash({keys.stages.motion, options_json(options.calibrate).dump(),
                             std::to_string(options.texture), std::to_string(options.least_probability)});
   keys.run = hash(

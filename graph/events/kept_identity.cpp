@@ -2,20 +2,16 @@
 #include "graph/events/kept_identity.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <utility>
 #include <vector>
 
-#include "graph/events/event_family.hpp"
 #include "graph/events/joints.hpp"
 #include "graph/matching/frame_links.hpp"
 
 namespace emberfold::graph {
 
 namespace {
-
-constexpr double kSideReach = 20;  // px, set by hand: readings place one change up to 10 px apart
 
 using Names = std::vector<std::uint32_t>;  // of each vertex of a frame; 0: none yet
 
@@ -60,45 +56,19 @@ Patches patches_of(const AttributeGraph& graph, SubgraphId stroke) {
   return patches;
 }
 
-/// Divides a component at its edge nearest to a place: patches go with the nearer end. Returns one set where
-/// no edge is within reach.
-std::vector<Patches> sides_of(const AttributeGraph& graph, SubgraphId stroke, Point place) {
-  std::array<std::uint32_t, 2> ends{};
-  double nearest = kSideReach;
-  for (const Edge& edge : graph.edges()) {
-    const auto a = static_cast<std::uint32_t>(graph.index_of(edge.a)),
-               b = static_cast<std::uint32_t>(graph.index_of(edge.b));
-    if (graph.vertices()[a].subgraph != stroke) continue;
-    const double away = distance((graph.patch(a).position + graph.patch(b).position) * 0.5, place);
-    if (away < nearest) nearest = away, ends = {a, b};
-  }
-  if (nearest >= kSideReach) return {patches_of(graph, stroke)};
-  detail::ShortestPaths paths(graph);
-  paths.search(ends);
-  std::vector<Patches> sides(2);
-  for (const std::uint32_t v : patches_of(graph, stroke))
-    sides[paths.source(v) == ends[0] ? 0 : 1].push_back(v);
-  return sides;
-}
-
 /// The patches that an event is about, by stroke.
 struct ChangedPatches {
   std::vector<Patches> before, after;
 };
 
-/// Finds the patches of an event's strokes. Where the two strokes of a union or separation are one component,
-/// as only another reading of the clip shows them apart, they are its two sides.
 ChangedPatches changed_patches(const Event& event, const AttributeGraph& before,
                                const AttributeGraph& after) {
-  const auto sets = [&](const AttributeGraph& graph, const std::vector<SubgraphId>& strokes, bool two) {
-    if (two && strokes.size() == 1) return sides_of(graph, strokes[0], event.position);
+  const auto sets = [](const AttributeGraph& graph, const std::vector<SubgraphId>& strokes) {
     std::vector<Patches> result;
     for (const SubgraphId stroke : strokes) result.push_back(patches_of(graph, stroke));
     return result;
   };
-  const auto family = detail::family(event.type);
-  return {sets(before, event.before, family == detail::Family::unite),
-          sets(after, event.after, family == detail::Family::separate)};
+  return {sets(before, event.before), sets(after, event.after)};
 }
 
 /// Returns the name that most of some patches have; 0 of none.

@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/text/check_range.hpp"
 #include "graph/matching/assignment.hpp"
+#include "graph/matching/chosen_links.hpp"
 #include "graph/matching/curve_alignment.hpp"
 #include "graph/matching/curve_features.hpp"
 #include "graph/matching/flicker_removal.hpp"
@@ -312,21 +314,39 @@ std::vector<Link> match_frames(const AttributeGraph& before, const AttributeGrap
 
 namespace {
 
-MotionGraph match_once(SketchSequence sketch, const MatchOptions& options, const core::Context& context,
-                       double share_before, double share_after) {
-  MotionGraph motion;
-  const auto& frames = sketch.frames;
+using ClipLinks = std::vector<std::vector<Link>>;  // by frame, with the one before
+
+/// Links every frame to its neighbour, in the order of time or against it: where the match is in doubt, the
+/// motion that patches had decides.
+ClipLinks link_clip(const std::vector<AttributeGraph>& frames, bool backwards, const MatchOptions& options,
+                    const core::Context& context) {
+  ClipLinks links(frames.size());
   std::vector<Point> velocity;
-  for (std::size_t t = 0; t < frames.size(); ++t) {
+  for (std::size_t k = 1; k < frames.size(); ++k) {
     context.check();
-    context.report("match", std::lerp(share_before, share_after,
-                                      static_cast<double>(t) / static_cast<double>(frames.size())));
-    motion.links.emplace_back();
-    if (t == 0) continue;
-    LinkedPair linked = link_frames(frames[t - 1], frames[t], velocity, options);
-    velocity = carry_motion(frames[t - 1], frames[t], linked);
-    motion.links.back() = std::move(linked.links);
+    const std::size_t t = backwards ? frames.size() - k : k;
+    const AttributeGraph& from = frames[backwards ? t : t - 1];
+    const AttributeGraph& to = frames[backwards ? t - 1 : t];
+    LinkedPair linked = link_frames(from, to, velocity, options);
+    velocity = carry_motion(from, to, linked);
+    links[t] = std::move(linked.links);
+    if (!backwards) continue;
+    for (Link& link : links[t]) std::swap(link.before, link.after);
+    std::ranges::sort(links[t]);
   }
+  return links;
+}
+
+MotionGraph match_once(SketchSequence sketch, const MatchOptions& options, const core::Context& context) {
+  std::array<ClipLinks, 2> both;
+  core::parallel_for(both.size(), context,
+                     [&](std::size_t k) { both[k] = link_clip(sketch.frames, k == 1, options, context); });
+  MotionGraph motion;
+  motion.links.resize(sketch.frames.size());
+  core::parallel_for(sketch.frames.size(), context, [&](std::size_t t) {
+    if (t > 0)
+      motion.links[t] = detail::choose_links(sketch.frames[t - 1], sketch.frames[t], both[0][t], both[1][t]);
+  });
   motion.sketch = std::move(sketch);
   return identify(std::move(motion));
 }
@@ -337,10 +357,12 @@ MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core
   options.validate();
   for (AttributeGraph& frame : sketch.frames) frame = without_anchors(frame);
   const int rounds = options.flicker > 0 ? kFlickerRounds : 0;
-  MotionGraph motion = match_once(std::move(sketch), options, context, 0, 1.0 / (rounds + 1));
-  for (int round = 1; round <= rounds; ++round)
-    motion = match_once(remove_flicker(motion, options.flicker), options, context,
-                        static_cast<double>(round) / (rounds + 1), (round + 1.0) / (rounds + 1));
+  context.report("match", 0);
+  MotionGraph motion = match_once(std::move(sketch), options, context);
+  for (int round = 1; round <= rounds; ++round) {
+    context.report("match", static_cast<double>(round) / (rounds + 1));
+    motion = match_once(remove_flicker(motion, options.flicker), options, context);
+  }
   context.report("match", 1);
   return motion;
 }

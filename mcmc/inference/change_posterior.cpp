@@ -25,27 +25,14 @@ constexpr double kSwitch = 0.02;         // prior probability of a change, a fra
 constexpr std::size_t kTolerance = 2;    // frames
 
 // Weights of the log-linear model, fitted by tests/bench/fit_event_weights.py (docs/method/events.md).
-constexpr double kIntercept = -13.51;
-constexpr double kOfStroke = -1.56;
-constexpr double kStrokeFactor = 0.44, kJointFactor = 0.26;  // of a nat
-constexpr double kShortSide = 1.22, kLongSide = 1.54;  // of a logarithm of frames without opposite change
-constexpr double kAgreement = 7.15;
-constexpr double kUsualShare = 0.4;    // of true changes among those that all readings have
-constexpr double kShareWeight = 0.68;  // of a clip's own share, on the scale of log odds
-constexpr double kMostLogOdds = 4;     // of one change, in the estimate of the share
-constexpr double kMostShift = 4;       // of log odds by the share
-constexpr double kPseudo = 0.5;        // true and false changes that are counted beforehand, each
+constexpr double kIntercept = -3.50;
+constexpr double kStrokeFactor = 0.45, kJointFactor = 0.27;  // of a nat
+constexpr double kShortSide = 1.33;  // of a logarithm of frames without opposite change
+constexpr double kUsualShare = 0.4;  // of true changes
+constexpr double kPseudo = 0.5;      // true and false changes that are counted beforehand, each
 
 // Not fitted, but chosen so that what cannot be seen is not believed (docs/method/events.md).
 constexpr double kFaint = 4, kPlainContrast = 16;  // of a logarithm of grey levels, below so many
-
-// Weights of likeness, fitted by tests/bench/fit_likeness_weights.py; 0 lies half way between clips whose
-// frames follow each other and clips whose frames do not.
-constexpr double kLikeness = -5.56, kOfNext = 3.27, kNextOverApart = 3.45;
-constexpr double kMostLikeness = 4;    // of one change
-constexpr double kLikenessWeight = 3;  // of the mean, on the scale of log odds
-constexpr double kFollowedBefore = 3;  // changes of likeness 1 that are counted beforehand
-constexpr double kMostCorrelation = 0.99, kLeastCorrelation = -0.9;
 }  // namespace tuning
 
 double log_sum(double a, double b) {
@@ -143,54 +130,33 @@ double log_change_factor(const ChangeSeries& series) {
 
 double change_log_odds(const ChangeEvidence& evidence) {
   using namespace tuning;
-  const double of_factor = evidence.of_stroke ? kStrokeFactor : kJointFactor;
-  const auto log_frames = [](double frames) {
-    return std::log(std::clamp(frames, 1.0, double{kFramesUntilLong}));
-  };
-  return kIntercept + (evidence.of_stroke ? kOfStroke : 0) + of_factor * evidence.log_factor +
-         kShortSide * log_frames(std::min(evidence.since, evidence.until)) +
-         kLongSide * log_frames(std::max(evidence.since, evidence.until)) + kAgreement * evidence.agreement +
+  const double frames = std::clamp(std::min(evidence.since, evidence.until), 1.0, double{kFramesUntilLong});
+  return kIntercept + (evidence.of_stroke ? kStrokeFactor : kJointFactor) * evidence.log_factor +
+         kShortSide * std::log(frames) +
          kFaint * std::log(std::clamp(evidence.contrast / kPlainContrast, 0.1, 1.0));
 }
 
 double estimate_change_share(std::span<const ChangeEvidence> changes) {
   constexpr int kHalvings = 50;
-  std::vector<double> certain;
-  for (const ChangeEvidence& change : changes)
-    if (change.agreement >= 1)
-      certain.push_back(std::clamp(change_log_odds(change), -tuning::kMostLogOdds, tuning::kMostLogOdds));
+  std::vector<double> odds;
+  for (const ChangeEvidence& change : changes) odds.push_back(change_log_odds(change));
   // What the share implies less the share falls from a positive to a negative number: bisection.
   double low = 0, high = 1;
   for (int i = 0; i < kHalvings; ++i) {
     const double share = 0.5 * (low + high), shift = share_shift(share);
     double sum = tuning::kPseudo;
-    for (const double odds : certain) sum += logistic(odds + shift);
-    const bool is_more = sum > share * (static_cast<double>(certain.size()) + 2 * tuning::kPseudo);
+    for (const double one : odds) sum += logistic(one + shift);
+    const bool is_more = sum > share * (static_cast<double>(odds.size()) + 2 * tuning::kPseudo);
     (is_more ? low : high) = share;
   }
   return 0.5 * (low + high);
 }
 
 std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes) {
-  const double shift = tuning::kShareWeight * std::clamp(share_shift(estimate_change_share(changes)),
-                                                         -tuning::kMostShift, tuning::kMostShift);
+  const double shift = share_shift(estimate_change_share(changes));
   std::vector<double> result;
   for (const ChangeEvidence& change : changes) result.push_back(logistic(change_log_odds(change) + shift));
   return result;
-}
-
-double probability_followed(std::span<const ChangeEvidence> changes) {
-  using namespace tuning;
-  const auto fisher = [](double r) { return std::atanh(std::clamp(r, kLeastCorrelation, kMostCorrelation)); };
-  double sum = kFollowedBefore, count = kFollowedBefore;
-  for (const ChangeEvidence& change : changes) {
-    if (!change.likeness) continue;
-    const double next = fisher(change.likeness->next), apart = fisher(change.likeness->apart);
-    sum += std::clamp(kLikeness + kOfNext * next + kNextOverApart * (next - apart), -kMostLikeness,
-                      kMostLikeness);
-    ++count;
-  }
-  return logistic(kLikenessWeight * sum / count);
 }
 
 }  // namespace emberfold::mcmc

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,24 +36,16 @@ inline constexpr double kMostChangeFactor = 40 / 3.0;
 /// out of range. O(frames).
 double log_change_factor(const ChangeSeries& series);
 
-/// Holds how alike a place is in neighbouring frames, and in frames far apart: correlation coefficients,
-/// −1…1.
-struct FrameLikeness {
-  double next = 1, apart = 0;
-};
-
 inline constexpr int kFramesUntilLong = 12;  ///< from one change to its opposite: more say nothing more
 
 /// Holds all that speaks for one change of a clip's graphs.
 struct ChangeEvidence {
   double log_factor = 0;  ///< log_change_factor() of what the images show, nats
   bool of_stroke = true;  ///< a birth or death; else a joint of two strokes opens or closes
-  double agreement = 1;   ///< share of the readings of the clip that have the change, 0…1
   /// Frames to the nearest opposite change in the same place, before and after, or to the clip's end; more
   /// than kFramesUntilLong is no more than that.
   double since = 1e9, until = 1e9;
   double contrast = 255;  ///< of what changes, visible grey levels: below 16 hardly anybody sees it
-  std::optional<FrameLikeness> likeness;  ///< around the change; nothing where it was not measured
 };
 
 /// Returns the log odds of a change in a clip in which the usual share of those read is true.
@@ -62,7 +53,7 @@ struct ChangeEvidence {
 /// real pictures that stand still or sway (docs/method/events.md).
 double change_log_odds(const ChangeEvidence& evidence);
 
-/// Estimates the share of true changes among those that all readings of a clip have.
+/// Estimates the share of true changes among those of a clip's graphs.
 /// The fixed point of Saerens, Latinne & Decaestecker (2002): the odds are corrected for the share, which is
 /// the mean of the probabilities, one half of a true and of a false change counted beforehand. O(changes).
 double estimate_change_share(std::span<const ChangeEvidence> changes);
@@ -71,12 +62,5 @@ double estimate_change_share(std::span<const ChangeEvidence> changes);
 /// In a clip in which nothing happens a change is believed on more evidence than in one full of events.
 /// O(changes).
 std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes);
-
-/// Returns the probability that what neighbouring frames show can be followed from one to the next.
-/// Where places are no more alike in neighbouring frames than in frames far apart, lines appear and vanish,
-/// but nothing is seen to happen to them. The mean over the changes of a log-linear measure of their
-/// likeness, fitted to clips as they were filmed and to their frames in random order (docs/method/events.md).
-/// O(changes).
-double probability_followed(std::span<const ChangeEvidence> changes);
 
 }  // namespace emberfold::mcmc

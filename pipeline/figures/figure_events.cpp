@@ -16,30 +16,7 @@ using graph::EventType;
 
 namespace {
 
-constexpr double kLeastRadius = 5, kMostRadius = 40, kRadiusInWidths = 3;  // px; widths
-constexpr double kSameReach = 15, kSameFrames = 6;                         // px, or three widths; frames
-
-double radius_of(const FigureChange& change) {
-  return std::clamp(kRadiusInWidths * change.width, kLeastRadius, kMostRadius);
-}
-
-/// Returns the share of the pixels about a change whose motion is known.
-double followed(const FigureGround& ground, const FigureChange& change) {
-  const double radius = std::ceil(radius_of(change));
-  double sum = 0, count = 0;
-  const std::size_t first = std::max<std::size_t>(change.frame, 2) - 2;
-  const std::size_t end = std::min(change.frame + 2, ground.frames() - 1);
-  for (std::size_t t = first; t < end; ++t) {
-    const cv::Mat1b& returns = ground.to[t].returns;
-    const double across = double(returns.cols) / ground.view.size.width,
-                 down = double(returns.rows) / ground.view.size.height;
-    for (int y = 0; y < returns.rows; ++y)
-      for (int x = 0; x < returns.cols; ++x)
-        if (std::hypot((x + 0.5) / across - change.at.x, (y + 0.5) / down - change.at.y) <= radius)
-          sum += returns(y, x), ++count;
-  }
-  return count > 0 ? sum / count : 1;
-}
+constexpr double kSameReach = 15, kSameFrames = 6;  // px, or three widths; frames
 
 using WeighedReading = std::vector<FigureEvent>;
 
@@ -96,7 +73,7 @@ std::vector<FigureEvent> weigh_figure_changes(const FigureRegions& all, const Fi
     for (std::size_t k = 0; k < of.size(); ++k) {
       const std::size_t reading = p * kFigureThresholds.size() + k;
       for (const FigureChange& change : find_figure_changes(all, reading, ground, context))
-        of[k].push_back({change, reading, followed(ground, change)});
+        of[k].push_back({change, reading, 1});
     }
     std::ranges::move(joined(of), std::back_inserter(events));
   }

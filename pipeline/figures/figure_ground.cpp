@@ -22,7 +22,6 @@ namespace {
 constexpr double kSmoothing = 1;        // px, SD
 constexpr double kViewPixels = 153600;  // 480 × 320
 constexpr double kVectors = 1 << 14;    // of a motion
-constexpr float kReturns = 1.5F;        // px
 constexpr float kDark = 16;             // grey levels
 // The least difference of levels that people see at mid grey, and that stands out from noise.
 constexpr double kVisible = 6, kNoiseMultiple = 8;
@@ -118,37 +117,12 @@ cv::Mat2f levels_of(const EdgeSums& edges) {
   return levels;
 }
 
-/// Returns where `there` and then `back` end near their start.
-cv::Mat1b returning(const cv::Mat2f& there, const cv::Mat2f& back, cv::Size view) {
-  const float across = static_cast<float>(there.cols) / static_cast<float>(view.width),
-              down = static_cast<float>(there.rows) / static_cast<float>(view.height);
-  cv::Mat1b returns(there.size(), std::uint8_t{0});
-  for (int y = 0; y < there.rows; ++y)
-    for (int x = 0; x < there.cols; ++x) {
-      const cv::Vec2f d = there(y, x);
-      const int u = cvRound(static_cast<float>(x) + across * d[0]),
-                v = cvRound(static_cast<float>(y) + down * d[1]);
-      if (u < 0 || v < 0 || u >= there.cols || v >= there.rows) continue;
-      returns(y, x) = cv::norm(d + back(v, u)) <= kReturns ? 1 : 0;
-    }
-  return returns;
-}
-
 /// What is kept of a frame until all have been read.
 struct FirstLook {
   cv::Mat1f luma;                 // small
   std::array<EdgeSums, 2> edges;  // by polarity
   double noise = 0;               // SD after smoothing
 };
-
-/// Returns a motion on the grid of cells: the finer one would take most of the memory.
-FigureMotion on_cells(const cv::Mat2f& there, const cv::Mat2f& back, cv::Size view) {
-  cv::Mat1f share;
-  returning(there, back, view).convertTo(share, CV_32F);
-  const cv::Size cells = cells_of(view);
-  return {resized(there, cells, cv::INTER_AREA), 1,
-          cv::Mat(cv::Mat(resized(share, cells, cv::INTER_AREA) > 0.5F) / 255)};
-}
 
 /// Returns how much lighter the next frame is: the median, over places that are not dark, of the ratio of
 /// levels; 1 where half of the ratios differ from it by more than it does from 1.
@@ -172,17 +146,17 @@ void measure_motion(const std::vector<cv::Mat1f>& lumas, FigureGround& ground, c
   const cv::Size view = ground.view.size;
   ground.to.resize(lumas.size()), ground.from.resize(lumas.size());
   std::vector<ImageBlocks> blocks(lumas.size());
-  const auto kept = [&](FigureMotion motion, std::size_t t) {
-    motion.vectors = kept_image(motion.vectors, context.memory(), blocks[t]);
-    motion.returns = kept_image(motion.returns, context.memory(), blocks[t]);
-    return motion;
+  // On the grid of cells: the finer one would take most of the memory.
+  const auto kept = [&](const cv::Mat2f& vectors, std::size_t t) {
+    const cv::Mat on_cells = resized(vectors, cells_of(view), cv::INTER_AREA);
+    return FigureMotion{kept_image(on_cells, context.memory(), blocks[t])};
   };
   core::parallel_for(lumas.size() - 1, context, [&](std::size_t t) {
     const cv::Scalar scale(double(view.width) / lumas[t].cols, double(view.height) / lumas[t].rows);
     const cv::Mat2f on = cv::Mat(dytex::optical_flow(lumas[t], lumas[t + 1], kVectors).mul(scale)),
                     back = cv::Mat(dytex::optical_flow(lumas[t + 1], lumas[t], kVectors).mul(scale));
-    ground.to[t] = kept(on_cells(on, back, view), t);
-    ground.from[t + 1] = kept(on_cells(back, on, view), t);
+    ground.to[t] = kept(on, t);
+    ground.from[t + 1] = kept(back, t);
     // Both senses of time alike.
     const double on_gain = gain_between(lumas[t], lumas[t + 1], ground.to[t], view),
                  back_gain = gain_between(lumas[t + 1], lumas[t], ground.from[t + 1], view);

@@ -35,7 +35,6 @@ inline constexpr int kFigureCell = 4;  // px of the view
 struct FigureMotion {
   cv::Mat2f vectors;  ///< px of the view
   double gain = 1;    ///< of the light: levels there by levels here
-  cv::Mat1b returns;  ///< 1 where the motion there and back again ends within 1.5 px of its start
 };
 /// Returns where a pixel of the view moves to.
 cv::Point2d moved(const FigureMotion& motion, cv::Size view, double x, double y);

@@ -1,68 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/inference/event_posterior.hpp"
 
-#include <span>
+#include <algorithm>
+#include <cstdlib>
 
+#include "graph/events/event_family.hpp"
 #include "graph/events/kept_identity.hpp"
 #include "graph/matching/skipped_patches.hpp"
 #include "mcmc/inference/change_posterior.hpp"
-#include "mcmc/inference/joint_changes.hpp"
-#include "pipeline/inference/event_pairs.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
 
-/// Returns the probability of each event by itself; strokes and joints have separate shares of true events.
-std::vector<double> probabilities_alone(std::span<const WeighedEvent> weighed) {
-  std::vector<double> result(weighed.size());
-  for (const bool of_stroke : {true, false}) {
-    std::vector<std::size_t> which;
-    std::vector<mcmc::ChangeEvidence> changes;  // of these
-    for (std::size_t k = 0; k < weighed.size(); ++k) {
-      if (weighed[k].evidence.of_stroke != of_stroke) continue;
-      which.push_back(k);
-      changes.push_back(weighed[k].evidence);
-    }
-    const auto probabilities = mcmc::change_probabilities(changes);
-    for (std::size_t k = 0; k < which.size(); ++k) result[which[k]] = probabilities[k];
-  }
-  return result;
-}
+constexpr int kSameFrames = 2;     // between one event in two samples
+constexpr double kSamePlace = 10;  // px
 
 }  // namespace
 
-EventProbabilities event_probabilities(std::span<const WeighedEvent> weighed) {
-  std::vector<mcmc::ChangeEvidence> changes;
-  std::vector<graph::Event> events;
-  for (const WeighedEvent& one : weighed) {
-    changes.push_back(one.evidence);
-    events.push_back(one.event);
-  }
-  EventProbabilities result;
-  result.followed = mcmc::probability_followed(changes);
-  auto alone = probabilities_alone(weighed);
-  for (double& p : alone) p *= result.followed;
-  result.of_event = mcmc::joint_probabilities(alone, brief_pairs(events), rival_pairs(events));
-  return result;
-}
-
-std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipReadings& readings,
+std::vector<graph::Event> event_posterior(core::FrameSource& source, const graph::MotionGraph& motion,
                                           const core::Context& context) {
-  const auto weighed = weigh_events(source, readings, context);
-  const auto probabilities = event_probabilities(weighed);
+  const auto weighed = weigh_events(source, motion, context);
+  std::vector<mcmc::ChangeEvidence> evidence;
+  for (const WeighedEvent& one : weighed) evidence.push_back(one.evidence);
+  const auto probabilities = mcmc::change_probabilities(evidence);
   std::vector<graph::Event> events;
   for (std::size_t k = 0; k < weighed.size(); ++k) {
     events.push_back(weighed[k].event);
-    events.back().probability = probabilities.of_event[k];
+    events.back().probability = probabilities[k];
   }
-  if (probabilities.followed < 0.5 && !events.empty())
-    context.warn(
-        "neighbouring frames are no more alike than frames far apart, so that nothing can be followed from "
-        "one to the "
-        "next: no event is believed; film faster, or leave out --every");
   graph::sort_events(events);
   return events;
+}
+
+void weigh_by_samples(std::span<const graph::MotionGraph> samples, std::vector<graph::Event>& events) {
+  std::vector<int> times(events.size(), 0);
+  for (const graph::MotionGraph& sample : samples) {
+    const auto drawn = graph::stroke_events(sample);
+    for (std::size_t k = 0; k < events.size(); ++k)
+      times[k] += std::ranges::any_of(drawn, [&](const graph::Event& one) {
+        return graph::detail::family(one.type) == graph::detail::family(events[k].type) &&
+               std::abs(one.frame - events[k].frame) <= kSameFrames &&
+               distance(one.position, events[k].position) <= kSamePlace;
+      });
+  }
+  for (std::size_t k = 0; k < events.size(); ++k)
+    events[k].probability *= static_cast<double>(times[k]) / static_cast<double>(samples.size());
 }
 
 void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,

@@ -13,23 +13,15 @@ namespace emberfold::pipeline {
 
 inline constexpr double kLikely = 0.5;  ///< least probability of reported events, by default
 
-/// Holds the probabilities of weighed events.
-struct EventProbabilities {
-  std::vector<double> of_event;  ///< by event
-  double followed = 1;           ///< mcmc::probability_followed(): it conditions all probabilities
-};
-
-/// Computes the probabilities of a clip's events from the evidence for each.
-/// Events of strokes and of joints have their own shares of true events (mcmc::change_probabilities). Events
-/// that depend on each other are weighed together (brief_pairs, rival_pairs, mcmc::joint_probabilities). See
-/// docs/method/events.md. O(events).
-EventProbabilities event_probabilities(std::span<const WeighedEvent> weighed);
-
 /// Finds the events of a matched clip, each with the probability that the clip shows it.
-/// They are weighed (weigh_events), and sorted as by graph::sort_events. The same bytes at any number
+/// They are weighed (weigh_events, mcmc::change_probabilities, docs/method/events.md) and sorted as by graph::sort_events. The same bytes at any number
 /// of threads. Throws as weigh_events does.
-std::vector<graph::Event> event_posterior(core::FrameSource& source, const ClipReadings& readings,
+std::vector<graph::Event> event_posterior(core::FrameSource& source, const graph::MotionGraph& motion,
                                           const core::Context& context = {});
+
+/// Multiplies the probability of each event by the share of the samples of a clip's graphs that have it: an
+/// event of its family at most 2 frames and 10 px from it. `samples`: at least one. O(samples · events²).
+void weigh_by_samples(std::span<const graph::MotionGraph> samples, std::vector<graph::Event>& events);
 
 /// Makes the strokes of a matched clip agree with its weighed events: they keep their identity through all
 /// events of less than this probability (graph::keep_identity), and skipped patches are linked

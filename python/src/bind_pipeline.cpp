@@ -41,7 +41,6 @@ void bind_options(py::module_& module) {
       .field("curve_events", &Options::curve_events)
       .field("sample", &Options::sample)
       .field("figures", &Options::figures)
-      .field("in_noise", &Options::in_noise)
       .field("least_probability", &Options::least_probability)
       .field("review", &Options::review)
       .field("seed", &Options::seed)
@@ -101,7 +100,7 @@ void bind_pipeline(py::module_& module) {
       "set_quality",
       [](pipeline::AnalyzeOptions& options, const std::string& name) {
         const auto quality = pipeline::quality(name);
-        if (!quality) throw py::value_error("quality is '" + name + "'; allowed is draft, normal or sure");
+        if (!quality) throw py::value_error("quality is '" + name + "'; allowed is draft or normal");
         pipeline::set_quality(options, *quality);
       },
       py::arg("options"), py::arg("quality"), doc("pipeline::set_quality"));

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits the weights with which the evidence for an event is combined into its probability.
 
-    fit_event_weights.py EVENT_EVIDENCE FOLDER... [--family A,B ...] [--keep DIR] [--power 0.68]
+    fit_event_weights.py EVENT_EVIDENCE FOLDER... [--family A,B ...] [--keep DIR]
 
 FOLDERs hold a clip.avi and a truth.json each: scenes with known events, real pictures that stand still or sway (without
 an event, or with painted ones). EVENT_EVIDENCE is the program of that name in tests/bench. Printed are, for each folder,
@@ -20,8 +20,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 FAMILY = {"birth": 0, "death": 1, "split": 2, "disconnect": 2, "merge": 3, "connect": 3}
-NAMES = ["kIntercept", "kOfStroke", "kStrokeFactor", "kJointFactor", "kShortSide", "kLongSide", "kAgreement"]
-LONG_ENOUGH, MOST = 12, 4
+NAMES = ["kIntercept", "kStrokeFactor", "kJointFactor", "kShortSide"]
+LONG_ENOUGH = 12
 
 
 def read_evidence(program, folder, keep):
@@ -42,8 +42,8 @@ def features(rows):
     table = []
     for row in rows:
         factor, stroke = float(row["log_factor"]), int(row["of_stroke"])
-        sides = sorted(np.log(np.clip([float(row["since"]), float(row["until"])], 1, LONG_ENOUGH)))
-        table.append([1, stroke, factor * stroke, factor * (not stroke), *sides, float(row["agreement"])])
+        side = np.log(np.clip(min(float(row["since"]), float(row["until"])), 1, LONG_ENOUGH))
+        table.append([1, factor * stroke, factor * (not stroke), side])
     return np.array(table).reshape(-1, len(NAMES))
 
 
@@ -87,26 +87,17 @@ def fit(tables, labels, penalty=0.3, of_clip=1.0):
     return weights[: x.shape[1]]
 
 
-def probabilities(odds, in_all, usual, power):
+def estimate(table, weights, usual):
     """Corrects the odds for the clip's own share of true events (Saerens, Latinne & Decaestecker 2002)."""
-    certain, low, high = np.clip(odds[in_all], -MOST, MOST), 0.0, 1.0
+    odds, low, high = table @ weights, 0.0, 1.0
     for _ in range(50):
         share = (low + high) / 2
         shift = np.log(share / (1 - share)) - np.log(usual / (1 - usual))
-        if logistic(certain + shift).sum() + 0.5 > share * (len(certain) + 1):
+        if logistic(odds + shift).sum() + 0.5 > share * (len(odds) + 1):
             low = share
         else:
             high = share
-    return logistic(odds + power * np.clip(shift, -4, 4))
-
-
-def estimate(table, weights, usual, power):
-    odds, p = table @ weights, np.zeros(len(table))
-    for stroke in (0, 1):
-        some = table[:, 1] == stroke
-        if some.any():
-            p[some] = probabilities(odds[some], table[some, -1] >= 1, usual, power)
-    return p
+    return logistic(odds + shift)
 
 
 def report_calibration(p, y):
@@ -125,8 +116,7 @@ def main():
     parser.add_argument("folders", nargs="+", type=pathlib.Path)
     parser.add_argument("--family", action="append", default=[])
     parser.add_argument("--keep", type=pathlib.Path)
-    parser.add_argument("--power", type=float, default=0.68, help="of a clip's own share of true events")
-    parser.add_argument("--usual", type=float, default=0.4, help="usual share of true events among those of all readings")
+    parser.add_argument("--usual", type=float, default=0.4, help="usual share of true events")
     asked = parser.parse_args()
     data = {f.name: read_evidence(asked.program, f, asked.keep) for f in asked.folders}
     tables = {n: features(rows) for n, (rows, _) in data.items()}
@@ -138,7 +128,7 @@ def main():
     for name, (rows, truth) in data.items():
         others = [n for n in data if families[n] != families[name]]
         weights = fit([tables[n] for n in others], [labels[n] for n in others])
-        p = estimate(tables[name], weights, asked.usual, asked.power)
+        p = estimate(tables[name], weights, asked.usual)
         believed = p >= 0.5
         hits = pair(rows, truth, believed).sum()
         f1 = 2 * hits / (believed.sum() + len(truth)) if truth else float("nan")

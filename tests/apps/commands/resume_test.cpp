@@ -160,11 +160,10 @@ TEST_CASE("the model of a run that is drawn from stays as it is, and its correct
   CHECK(bytes_of(model / "model.json") == before);
 }
 
-TEST_CASE(
-    "events that are read in noise or sampled end with a whole run, in a new folder and over another one") {
+TEST_CASE("events that are weighed or sampled end with a whole run, in a new folder and over another one") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip.avi", {64, 48}, 8, 9);
-  const std::vector<std::vector<std::string>> ways = {{"--quality", "sure"}, {"--sample"}};
+  const std::vector<std::vector<std::string>> ways = {{"--quality", "normal"}, {"--sample"}};
   for (std::size_t k = 0; k < ways.size(); ++k)
     for (const std::string& folder : {"new" + std::to_string(k), std::string("one")}) {
       std::vector<std::string> words = {"analyze", clip, "-o", (temp / folder).string(), "--no-edges"};
@@ -180,8 +179,7 @@ TEST_CASE(
 TEST_CASE("a run of which only the events are there is an earlier result") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip.avi", {64, 48}, 8, 9);
-  const std::vector<std::string> words = {"analyze",   clip,  "-o", (temp / "run").string(),
-                                          "--quality", "sure"};
+  const std::vector<std::string> words = {"analyze", clip, "-o", (temp / "run").string(), "--no-edges"};
   CommandOptions options;
   options.signal = SIGKILL;
   options.interrupt_if = [&] { return fs::exists(temp / "run/stages/run/columns.json"); };

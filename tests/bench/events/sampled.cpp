@@ -7,7 +7,6 @@
 #include "graph/matching/match.hpp"
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
-#include "pipeline/inference/clip_readings.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/readings.hpp"
 
@@ -46,8 +45,9 @@ std::optional<Found> sampled_events(const EventClip& clip) {
   const auto starts = pipeline::match_starts(sketches, {}, options, {});
   auto sampled = mcmc::sample_chains(starts, {}, 1, {});
   auto motion = sampled.last.front();
-  const auto readings = pipeline::sampled_readings(sketches.clip.sketch, std::move(sampled.last), {});
-  Found found{pipeline::event_posterior(source, readings), 0, 0, 0, {}};
+  auto events = pipeline::event_posterior(source, motion);
+  pipeline::weigh_by_samples(sampled.last, events);
+  Found found{std::move(events), 0, 0, 0, {}};
   found.a1 = sampled.fitted.model.displacement.a1, found.a2 = sampled.fitted.model.displacement.a2;
   found.seconds = since(begin);
   found.sketch = std::move(motion.sketch);

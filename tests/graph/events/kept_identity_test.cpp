@@ -132,38 +132,6 @@ TEST_CASE("Pieces of one stroke that a believed union joins are two strokes sinc
   CHECK(events[1].after == std::vector<graph::SubgraphId>{{3}});
 }
 
-TEST_CASE("A change that another reading has divides the strokes of a component", "[graph][kept_identity]") {
-  // A line of eight patches stays; a reading sees it part at x = 27 in frame 2, and become one again in
-  // frame 4.
-  test::Frame line;
-  line.line({{10, 50}, {15, 50}, {20, 50}, {25, 50}, {29, 50}, {35, 50}, {40, 50}, {45, 50}});
-  const IndexLinks same = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6}, {7, 7}};
-  const auto whole = graph::identify(test::motion({6, line.graph()}, {5, same}));
-  const auto change = [](graph::EventType type, int frame, double probability) {
-    return graph::Event{frame, type, {27.5, 52}, probability, {{1}}, {{1}}};
-  };
-  using Strokes = std::vector<graph::SubgraphId>;
-
-  auto motion = whole;
-  std::vector<graph::Event> events = {change(graph::EventType::split, 2, 0.8),
-                                      change(graph::EventType::merge, 4, 0.7)};
-  graph::keep_identity(motion, events, 0.5);
-  for (const std::size_t t : {0, 1}) CHECK(strokes(motion, t) == std::vector<std::uint32_t>(8, 1));
-  for (const std::size_t t : {2, 3})
-    CHECK(strokes(motion, t) == std::vector<std::uint32_t>{2, 2, 2, 2, 3, 3, 3, 3});
-  for (const std::size_t t : {4, 5}) CHECK(strokes(motion, t) == std::vector<std::uint32_t>(8, 4));
-  CHECK(events[0].before == Strokes{{1}});
-  CHECK(events[0].after == Strokes{{2}, {3}});
-  CHECK(events[1].before == Strokes{{2}, {3}});
-  CHECK(events[1].after == Strokes{{4}});
-
-  motion = whole;
-  events = {change(graph::EventType::split, 2, 0.4)};
-  graph::keep_identity(motion, events, 0.5);
-  CHECK(strokes(motion, 5) == std::vector<std::uint32_t>(8, 1));
-  CHECK(events[0].after == Strokes{{1}});
-}
-
 TEST_CASE("Births that nothing is linked with are new strokes", "[graph][kept_identity]") {
   test::Frame one, two;
   one.line({{10, 10}, {15, 10}, {20, 10}});

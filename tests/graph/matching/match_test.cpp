@@ -7,6 +7,8 @@
 
 #include "core/error.hpp"
 #include "graph/events/events.hpp"
+#include "graph/matching/chosen_links.hpp"
+#include "graph/matching/time_reversal.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
 #include "tests/support/messages.hpp"
@@ -308,6 +310,68 @@ TEST_CASE("Whatever the graphs, the links are a star forest", "[graph][match]") 
   }
 }
 
+TEST_CASE("The graph of a clip played backwards is its graph backwards", "[graph][match]") {
+  const auto check = [](const graph::SketchSequence& sketch) {
+    CHECK(graph::reverse_time(graph::match(graph::reverse_time(sketch), {})) == graph::match(sketch, {}));
+  };
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    Swaying scene = field(seed);
+    graph::SketchSequence sketch;
+    for (int t = 0; t < 20; ++t) {
+      // Two steps a frame: where strokes sway by more than the half of what they are apart, the match is in
+      // doubt.
+      scene.step(), scene.step();
+      if (t == 8) scene[4].pieces = {{0, 0.4}, {0.6, 1}};
+      if (t == 12) scene.bridge(7, 8);
+      std::vector<std::size_t> owner;
+      sketch.append(scene.frame(owner));
+    }
+    check(sketch);
+  }
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    core::Rng rng(seed);
+    graph::SketchSequence sketch;
+    for (int t = 0; t < 5; ++t) sketch.append(test::random_graph(rng, rng.below(12), rng.below(12)));
+    check(sketch);
+  }
+}
+
+TEST_CASE("Of two sets of links those with fewer changes count, then the more, then the shorter ones",
+          "[graph][match]") {
+  using Links = std::vector<graph::Link>;
+  const auto line = [](test::Frame& frame, double y, int patches) {
+    std::vector<Point> points;
+    for (int k = 0; k < patches; ++k) points.push_back({10.0 + 5 * k, y});
+    frame.line(points);
+  };
+  // Two strokes of three patches stay; a third one far away is a group of its own.
+  test::Frame frame;
+  line(frame, 10, 3), line(frame, 20, 3), line(frame, 80, 2);
+  const auto graph = frame.graph();
+  const auto link = [](std::uint32_t a, std::uint32_t b) { return graph::Link{{a}, {b}}; };
+  const auto chosen = [&](Links one, Links other) {
+    const auto links = graph::detail::choose_links(graph, graph, one, other);
+    CHECK(graph::detail::choose_links(graph, graph, other, one) == links);
+    return links;
+  };
+  const Links straight{link(0, 0), link(1, 1), link(2, 2), link(3, 3), link(4, 4), link(5, 5)};
+  const Links one_lost{link(0, 0), link(1, 1), link(2, 2)};
+  CHECK(chosen(straight, one_lost) == straight);
+  const Links thinner{link(0, 0), link(2, 2), link(3, 3), link(4, 4)};
+  CHECK(chosen(straight, thinner) == straight);
+  const Links crossed{link(0, 3), link(1, 4), link(2, 5), link(3, 0), link(4, 1), link(5, 2)};
+  CHECK(chosen(straight, crossed) == straight);
+  const Links joined{link(0, 0), link(1, 1), link(2, 3), link(3, 4), link(4, 5), link(5, 2)};
+  CHECK(chosen(straight, joined) == straight);
+  // Each group by itself.
+  const Links first{link(0, 3), link(1, 4), link(2, 5), link(3, 0),
+                    link(4, 1), link(5, 2), link(6, 6), link(7, 7)};
+  Links both = straight;
+  both.insert(both.end(), {link(6, 6), link(7, 7)});
+  CHECK(chosen(first, straight) == both);
+  CHECK(chosen({}, {}).empty());
+}
+
 TEST_CASE("Many patches in one place are matched in a moment", "[graph][match]") {
   std::vector<graph::Vertex> vertices;
   for (std::uint32_t k = 0; k < 600; ++k) vertices.push_back(test::vertex(k, 5, 5));
@@ -330,7 +394,7 @@ TEST_CASE("A match reports its progress, and a cancelled one throws", "[graph][m
   });
   CHECK(graph::match(sketch, {}, context).sketch.frames.size() == 10);
   CHECK(last == 1);
-  last = -1, stop_at = 0.45;
+  last = -1, stop_at = 0.3;
   CHECK_THROWS_AS(graph::match(sketch, {}, context), core::Cancelled);
   CHECK(last < 0.6);
   CHECK(graph::match({}, {}).sketch.frames.empty());
