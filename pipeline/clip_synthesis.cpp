@@ -5,10 +5,17 @@
 
 #include "core/error.hpp"
 #include "core/text/check_range.hpp"
+#include "pipeline/carried/carried_synthesis.hpp"
+#include "pipeline/footage/footage_synthesis.hpp"
+#include "pipeline/frame_synthesis.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
+
+bool is_of_footage(ModelFill fill) {
+  return fill == ModelFill::footage || fill == ModelFill::carried;
+}
 
 ModelFill chosen_fill(const ClipModel& model, const ClipSynthesisOptions& options) {
   return options.fill_kind.value_or(model.footage ? ModelFill::footage : ModelFill::diffusion);
@@ -17,10 +24,8 @@ ModelFill chosen_fill(const ClipModel& model, const ClipSynthesisOptions& option
 void check(const ClipModel& model, const ClipSynthesisOptions& options) {
   core::check_range("ClipSynthesisOptions.speed", options.speed, -100, 100);
   const auto fill = chosen_fill(model, options);
-  if ((fill == ModelFill::footage || fill == ModelFill::carried) && !model.footage)
-    throw core::InputError("the model holds no frames of its clip");
-  if (fill == ModelFill::footage) return;
-  if (fill == ModelFill::carried) return;
+  if (is_of_footage(fill) && !model.footage) throw core::InputError("the model holds no frames of its clip");
+  if (is_of_footage(fill)) return;
   if (options.loop) throw core::InputError("ClipSynthesisOptions.loop is not for drawn strokes");
   if (options.edit != mcmc::MotionEdit{})
     throw core::InputError("ClipSynthesisOptions.edit is for carried strokes alone");
@@ -44,11 +49,55 @@ FrameSynthesis begin_strokes(const std::shared_ptr<const ClipModel>& model, Mode
   return {mcmc::Synthesis(model->motion, options.seed, options.start), std::move(look)};
 }
 
-CarriedSynthesisOptions carried_options(const ClipModel& model, const ClipSynthesisOptions& options) {
-  return {options.seed,
-          options.edit,
-          {model.motion.rates.split_gap, model.motion.rates.disconnect_gap},
-          options.loop};
+/// Strokes of the motion model, drawn over what a fill puts between them.
+class DrawnStrokes final : public FrameMethod {
+ public:
+  DrawnStrokes(std::shared_ptr<const ClipModel> model, ModelFill fill, const ClipSynthesisOptions& options)
+      : model_(std::move(model)), options_(options), frames_(begin_strokes(model_, fill, options)) {}
+
+  void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context) override {
+    frames_.each(count, take, context);
+  }
+  [[nodiscard]] int batch() const override { return frames_.batch(); }
+  [[nodiscard]] const SynthesisStatistics* statistics() const override { return &frames_.statistics(); }
+  [[nodiscard]] FrameSources sources() const override {
+    throw core::InputError("drawn strokes have no source in the clip");
+  }
+  [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context) const override {
+    return mcmc::synthesize(model_->motion, count, options_.seed, context, options_.start);
+  }
+
+ private:
+  std::shared_ptr<const ClipModel> model_;
+  ClipSynthesisOptions options_;
+  FrameSynthesis frames_;
+};
+
+std::unique_ptr<FrameMethod> begin(const std::shared_ptr<const ClipModel>& model, ModelFill fill,
+                                   const ClipSynthesisOptions& options, const core::Context& context) {
+  if (fill == ModelFill::footage)
+    return std::make_unique<FootageSynthesis>(
+        decode(*model->footage, context), FootageSynthesisOptions{options.seed, options.speed, options.loop},
+        context);
+  if (fill == ModelFill::carried) {
+    const auto& rates = model->motion.rates;
+    return std::make_unique<CarriedSynthesis>(
+        decode(*model->footage, context), model->footage->strokes,
+        CarriedSynthesisOptions{
+            options.seed, options.edit, {rates.split_gap, rates.disconnect_gap}, options.loop},
+        context);
+  }
+  return std::make_unique<DrawnStrokes>(model, fill, options);
+}
+
+core::ClipInfo info_of(const ClipModel& model, ModelFill fill) {
+  if (is_of_footage(fill)) {
+    const auto& clip = *model.footage;
+    return {clip.size.width, clip.size.height, clip.channels, CV_8U, model.motion.fps, 255, {}};
+  }
+  const int channels = fill == ModelFill::dytex ? model.texture->info.channels
+                                                : render_options(model.motion, model.background).channels;
+  return {model.motion.width, model.motion.height, channels, CV_8U, model.motion.fps, 255, {}};
 }
 
 }  // namespace
@@ -58,65 +107,28 @@ ClipSynthesis::ClipSynthesis(ClipModel model, const ClipSynthesisOptions& option
     : options_(options), context_(context) {
   check(model, options);
   fill_kind_ = chosen_fill(model, options);
-  if (fill_kind_ != ModelFill::footage && fill_kind_ != ModelFill::carried) correct_rates(model, context);
+  if (!is_of_footage(fill_kind_)) correct_rates(model, context);
+  info_ = info_of(model, fill_kind_);
   model_ = std::make_shared<const ClipModel>(std::move(model));
-  begin();
-  const double fps = model_->motion.fps;
-  if (footage_ || carried_) {
-    const auto& clip = *model_->footage;
-    info_ = {clip.size.width, clip.size.height, clip.channels, CV_8U, fps, 255, {}};
-  } else {
-    const auto& look = frames_->look();
-    info_ = {look.size.width, look.size.height, look.channels, CV_8U, fps, 255, {}};
-  }
-}
-
-void ClipSynthesis::begin() {
-  if (fill_kind_ == ModelFill::footage)
-    footage_.emplace(decode(*model_->footage, context_),
-                     FootageSynthesisOptions{options_.seed, options_.speed, options_.loop}, context_);
-  else if (fill_kind_ == ModelFill::carried)
-    carried_.emplace(decode(*model_->footage, context_), model_->footage->strokes,
-                     carried_options(*model_, options_), context_);
-  else
-    frames_.emplace(begin_strokes(model_, fill_kind_, options_));
-}
-
-void ClipSynthesis::draw(int count, const std::function<void(cv::Mat)>& take) {
-  if (footage_)
-    footage_->each(count, take, context_);
-  else if (carried_)
-    carried_->each(count, take, context_);
-  else
-    frames_->each(count, take, context_);
+  method_ = begin(model_, fill_kind_, options_, context_);
 }
 
 cv::Mat ClipSynthesis::next() {
   if (ahead_.empty())
-    draw(footage_   ? footage_->batch()
-         : carried_ ? carried_->batch()
-                    : frames_->batch(),
-         [&](cv::Mat frame) { ahead_.push_back(std::move(frame)); });
+    method_->each(
+        method_->batch(), [&](cv::Mat frame) { ahead_.push_back(std::move(frame)); }, context_);
   cv::Mat frame = std::move(ahead_.front());
   ahead_.pop_front();
   return frame;
 }
 
-graph::MotionGraph ClipSynthesis::motion(int count) const {
-  if (footage_) throw core::InputError("a clip of footage draws no strokes");
-  if (carried_) return carried_->motion(count, context_);
-  return mcmc::synthesize(model_->motion, count, options_.seed, context_, options_.start);
-}
-
-FrameSources ClipSynthesis::sources() const {
-  if (footage_) return footage_->sources();
-  if (carried_) return carried_->sources();
-  throw core::InputError("drawn strokes have no source in the clip");
+const FootageSynthesis* ClipSynthesis::footage() const {
+  return dynamic_cast<const FootageSynthesis*>(method_.get());
 }
 
 void ClipSynthesis::rewind() {
   ahead_.clear();
-  begin();
+  method_ = begin(model_, fill_kind_, options_, context_);
 }
 
 void ClipSynthesis::each(int count, const std::function<void(cv::Mat)>& take) {
@@ -125,7 +137,7 @@ void ClipSynthesis::each(int count, const std::function<void(cv::Mat)>& take) {
     ahead_.pop_front();
     take(std::move(frame));
   }
-  draw(count, take);
+  method_->each(count, take, context_);
 }
 
 }  // namespace emberfold::pipeline

@@ -11,13 +11,10 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
-#include "graph/motion_graph.hpp"
 #include "mcmc/simulation/edit_model.hpp"
 #include "mcmc/simulation/synthesize.hpp"
-#include "pipeline/carried/carried_synthesis.hpp"
 #include "pipeline/clip_model.hpp"
-#include "pipeline/footage/footage_synthesis.hpp"
-#include "pipeline/frame_synthesis.hpp"
+#include "pipeline/frame_method.hpp"
 
 namespace emberfold::pipeline {
 
@@ -30,6 +27,8 @@ struct ClipSynthesisOptions {
   mcmc::MotionEdit edit = {};    ///< of ModelFill::carried alone; otherwise edit the model (edit_model)
   std::optional<int> loop = {};  ///< for footage and carried: frames until the clip repeats, ≥ 2
 };
+
+class FootageSynthesis;
 
 /// Draws an endless number of new frames of a clip's model: CV_8U, with the model's size and rate.
 /// Equal models, options and seeds give equal frames, whatever the number of threads and calls. Example:
@@ -53,33 +52,26 @@ class ClipSynthesis final : public core::FrameSource {
   /// They are handed over in order and one at a time, while the next ones are drawn. Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take);
   /// Returns statistics of the strokes drawn so far, those ahead of next() included; null for a footage.
-  [[nodiscard]] const SynthesisStatistics* statistics() const {
-    return frames_ ? &frames_->statistics() : carried_ ? &carried_->statistics() : nullptr;
-  }
+  [[nodiscard]] const SynthesisStatistics* statistics() const { return method_->statistics(); }
   /// Returns the graphs of the clip's first `count` ≥ 1 frames with their links. Throws core::InputError for
   /// a clip of footage, which draws no strokes; core::Cancelled.
-  [[nodiscard]] graph::MotionGraph motion(int count) const;
+  [[nodiscard]] graph::MotionGraph motion(int count) const { return method_->motion(count, context_); }
   /// Returns the synthesis of the footage; null where strokes are drawn.
-  [[nodiscard]] const FootageSynthesis* footage() const { return footage_ ? &*footage_ : nullptr; }
+  [[nodiscard]] const FootageSynthesis* footage() const;
   /// Returns the sources in the clip of a frame's pixels.
   /// To be called while each() hands the frame over, and not after next(). Throws core::InputError where
   /// strokes are drawn.
-  [[nodiscard]] FrameSources sources() const;
+  [[nodiscard]] FrameSources sources() const { return method_->sources(); }
   /// Returns the source of the clip.
   [[nodiscard]] ModelFill fill_kind() const { return fill_kind_; }
 
  private:
-  void begin();
-  void draw(int count, const std::function<void(cv::Mat)>& take);
-
   std::shared_ptr<const ClipModel> model_;
   ClipSynthesisOptions options_;
   core::Context context_;
   core::ClipInfo info_;
   ModelFill fill_kind_ = ModelFill::diffusion;
-  std::optional<FrameSynthesis> frames_;
-  std::optional<CarriedSynthesis> carried_;
-  std::optional<FootageSynthesis> footage_;
+  std::unique_ptr<FrameMethod> method_;
   std::deque<cv::Mat> ahead_;
 };
 

@@ -15,6 +15,7 @@
 #include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "mcmc/simulation/synthesize.hpp"
+#include "pipeline/frame_method.hpp"
 #include "pipeline/residual_texture.hpp"
 #include "sketch/rendering/fade_in_out.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
@@ -25,12 +26,6 @@ namespace emberfold::pipeline {
 /// They have the model's size, one channel where all its levels are grey, its background, and the mean of its
 /// strokes' sides where a frame has neither strokes nor background.
 sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground);
-
-/// Holds statistics of a clip drawn from a model.
-struct SynthesisStatistics {
-  std::vector<std::size_t> patches, strokes;  ///< of each frame
-  std::array<std::size_t, 6> operators{};     ///< births, deaths, splits, merges, connects, disconnects
-};
 
 /// Draws an endless number of new frames of a model, from its graphs and, if given, backgrounds.
 /// The frames are the same at any number of threads and calls.

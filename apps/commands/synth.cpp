@@ -16,6 +16,7 @@
 #include "core/io/require_apart.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/clip_synthesis.hpp"
+#include "pipeline/footage/footage_synthesis.hpp"
 
 namespace emberfold::apps {
 

@@ -12,12 +12,10 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
-#include "graph/motion_graph.hpp"
 #include "mcmc/simulation/edit_model.hpp"
 #include "pipeline/carried/carried_play.hpp"
-#include "pipeline/footage/frame_sources.hpp"
 #include "pipeline/footage/play_order.hpp"
-#include "pipeline/frame_synthesis.hpp"
+#include "pipeline/frame_method.hpp"
 
 namespace emberfold::pipeline {
 
@@ -35,7 +33,7 @@ struct CarriedSynthesisOptions {
 /// frames are those of the footage. At another speed, frames are interpolated (draw_between), and patches,
 /// too. A loop shows a round that others preceded, so that strokes which live across its end are present at
 /// its beginning. The same at any number of threads.
-class CarriedSynthesis {
+class CarriedSynthesis final : public FrameMethod {
  public:
   /// `footage`: frames of a clip, CV_8U, 1 or 3 channels, of one size; `strokes`: those in its frames. Throws
   /// core::InputError for an edit that is not possible, fewer than two frames, and strokes of other frames;
@@ -43,19 +41,14 @@ class CarriedSynthesis {
   CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGraph strokes,
                    const CarriedSynthesisOptions& options, const core::Context& context = {});
 
-  /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take` in order.
-  /// Throws core::Cancelled.
-  void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {});
+  void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {}) override;
   /// Returns the best number of frames per call: 1…16.
-  [[nodiscard]] int batch() const;
-  /// Returns the statistics of the frames so far.
-  [[nodiscard]] const SynthesisStatistics& statistics() const { return statistics_; }
-  /// Returns the source in the clip of a frame's pixels; between two moments those of the nearer one. To be
-  /// called while the frame is handed to each()'s `take`.
-  [[nodiscard]] FrameSources sources() const;
+  [[nodiscard]] int batch() const override;
+  [[nodiscard]] const SynthesisStatistics* statistics() const override { return &statistics_; }
+  /// Returns the source in the clip of a frame's pixels; between two moments those of the nearer one.
+  [[nodiscard]] FrameSources sources() const override;
   /// Returns the graphs of the clip's first `count` ≥ 1 frames, with links and identified strokes.
-  /// Throws core::Cancelled.
-  [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context = {}) const;
+  [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context = {}) const override;
 
  private:
   /// A moment of the played footage, and what is drawn over it.

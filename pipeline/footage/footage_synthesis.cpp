@@ -156,6 +156,10 @@ void FootageSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
   }
 }
 
+graph::MotionGraph FootageSynthesis::motion(int /*count*/, const core::Context& /*context*/) const {
+  throw core::InputError("a clip of footage draws no strokes");
+}
+
 FrameSources FootageSynthesis::sources() const {
   const cv::Size frame = footage_->front().size(), cells = source_cells(frame);
   cv::Mat1f offsets;

@@ -11,10 +11,10 @@
 
 #include "core/context.hpp"
 #include "pipeline/footage/copied_share.hpp"
-#include "pipeline/footage/frame_sources.hpp"
 #include "pipeline/footage/motion_scale.hpp"
 #include "pipeline/footage/played_frames.hpp"
 #include "pipeline/footage/time_front.hpp"
+#include "pipeline/frame_method.hpp"
 
 namespace emberfold::pipeline {
 
@@ -31,18 +31,16 @@ struct FootageSynthesisOptions {
 /// frames, pixels are moved along the motion. A loop after which the footage itself repeats is played
 /// unchanged. The motion bounds how much times differ: content is stretched by about 15 %. The same at any
 /// number of threads.
-class FootageSynthesis {
+class FootageSynthesis final : public FrameMethod {
  public:
   /// `footage`: frames of a clip, CV_8U, 1 or 3 channels, of one size.
   /// Throws core::InputError for options out of range and a footage of fewer than two frames.
   FootageSynthesis(std::vector<cv::Mat> footage, const FootageSynthesisOptions& options,
                    const core::Context& context = {});
 
-  /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take` in order.
-  /// Throws core::Cancelled.
-  void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {});
+  void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context = {}) override;
   /// Returns the best number of frames per call: 1…16.
-  [[nodiscard]] int batch() const;
+  [[nodiscard]] int batch() const override;
   /// Returns the visibility of the jumps so far: their cost over the change between neighbouring frames.
   [[nodiscard]] double jump_cost() const { return played_.jump_cost(); }
   /// Returns the share of moving pixels copied from one frame of the footage, 0…1, in every fourth frame so
@@ -52,8 +50,9 @@ class FootageSynthesis {
   [[nodiscard]] int plays() const { return played_.plays(); }
   /// Returns whether any frames so far were played backwards, since the footage has no similar frames.
   [[nodiscard]] bool plays_back() const { return played_.plays_back(); }
-  /// Returns the sources in the clip of a frame's pixels; to be called while it is handed to each()'s `take`.
-  [[nodiscard]] FrameSources sources() const;
+  [[nodiscard]] FrameSources sources() const override;
+  /// Throws core::InputError: a clip of footage draws no strokes.
+  [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context) const override;
   /// Returns the SD of the times that one frame shows, frames.
   [[nodiscard]] double amplitude() const { return front_.bound() / 3; }
 

@@ -100,7 +100,7 @@ TEST_CASE("carried strokes: without an edit every frame is one of the clip, with
     CHECK(shown.edges().size() == seen.edges().size());
   }
   CHECK(copied >= 15);
-  CHECK(synthesis.statistics().patches.size() == 30);
+  CHECK(synthesis.statistics()->patches.size() == 30);
 }
 
 TEST_CASE("carried strokes: twice the births show lives of other times with their pixels") {
@@ -111,7 +111,7 @@ TEST_CASE("carried strokes: twice the births show lives of other times with thei
   const auto motion = more.motion(60);
   const auto before = events(usual.motion(60), EventType::birth), after = events(motion, EventType::birth);
   CHECK(after > 1.4 * before);
-  CHECK(more.statistics().operators[0] >= static_cast<std::size_t>(after));
+  CHECK(more.statistics()->operators[0] >= static_cast<std::size_t>(after));
   // The middle of every stroke is as bright as in the clip: 90 levels above the ground.
   double sum = 0;
   int count = 0;
@@ -361,7 +361,7 @@ TEST_CASE("carried strokes: at another speed the same moments are shown, and wha
     for (std::size_t v = 0; v < after.size(); ++v)
       CHECK(distance(between.patch(v).position, expected[v]) < 1e-9);
   }
-  CHECK(slow.statistics().patches.size() == 21);
+  CHECK(slow.statistics()->patches.size() == 21);
   CHECK(events(slow.motion(41), EventType::birth) == events(usual.motion(21), EventType::birth));
 }
 
