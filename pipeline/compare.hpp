@@ -34,7 +34,8 @@ constexpr int kMostSynthesized = 1'000'000;
 
 /// Holds the settings of compare() and compare_models().
 struct CompareOptions {
-  sketch::ExtractOptions sketch = kSteadySketch;
+  /// Frame by frame: what is drawn needs no steadying, and the source is measured alike.
+  sketch::ExtractOptions sketch = {.sensitivity = kSteadySketch.sensitivity, .steady = false};
   graph::MatchOptions match;
   dytex::LearnOptions
       learn;  ///< at most a third of the frames as components: more would overfit a short clip

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -32,9 +33,11 @@ std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector
           drawn.motion.sketch.frames[t].vertices()[v].subgraph;
   std::multimap<std::size_t, const FigureEvent*> of_frame;
   for (const FigureEvent& event : weighed) of_frame.emplace(event.change.frame, &event);
+  std::set<const FigureEvent*> told;  // each by one event
   auto events = graph::stroke_events(drawn.motion);
   for (graph::Event& event : events) {
     event.probability = 0;
+    const FigureEvent* best = nullptr;
     const auto names = [&](Region region) {
       const auto stroke = stroke_of.find(region);
       return stroke != stroke_of.end() &&
@@ -45,11 +48,13 @@ std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector
     for (auto it = first; it != last; ++it) {
       const FigureEvent& is = *it->second;
       if (family(is.change.type) != family(event.type) || is.probability <= event.probability ||
-          !names({is.reading, is.change.whole}) || !names({is.reading, is.change.part}))
+          !names({is.reading, is.change.whole}) || !names({is.reading, is.change.part}) || told.contains(&is))
         continue;
       event.probability = is.probability;
       event.position = view.in_frame(is.change.at.x, is.change.at.y);
+      best = &is;
     }
+    if (best != nullptr) told.insert(best);
   }
   graph::sort_events(events);
   return events;

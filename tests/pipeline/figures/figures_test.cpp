@@ -119,6 +119,20 @@ TEST_CASE("two discs that touch are one union, at the place and time where they 
   CHECK(graph::components(figures.motion.sketch.frames.back()).count == 1);
 }
 
+TEST_CASE("three discs that touch at once are two unions, each at its place") {
+  // The right one touches so little that not all thresholds see it: its union is less probable.
+  const auto figures = figures_of(film([](Point p, int t) {
+    const double left = t < 20 ? 40 : 28, right = t < 20 ? 34 : 25.3;
+    return levels(
+        std::max({disc(p, {70 - left, 60}, 20), disc(p, {70, 60}, 14), disc(p, {70 + right, 60}, 11)}), true);
+  }));
+  std::vector<graph::Event> unions;
+  for (const graph::Event& event : figures.events)
+    if (unites(event.type) && event.probability > 0) unions.push_back(event);
+  REQUIRE(unions.size() == 2);
+  CHECK(std::abs(unions[0].position.x - unions[1].position.x) > 15);
+}
+
 TEST_CASE("a clip played backwards parts where it unites") {
   const auto clip = film(approaching(true));
   const auto there = believed(figures_of(clip)), back = believed(figures_of(backwards(clip)));
