@@ -202,8 +202,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
   } else {
     clock.begin("carry");
     analysis.cuts = find_cuts(source, context.with_progress({}));
-    StartSketches lasting =
-        options.sketch.steady ? with_lasting_patches(source, sketches, context) : sketches;
+    StartSketches lasting = with_lasting_patches(source, sketches, context);
     Figures figures;
     if (options.figures && !options.bottom_up && !options.curve_events && !options.sample) {
       clock.begin("figures");

@@ -31,7 +31,7 @@ namespace emberfold::pipeline {
 
 /// Holds the settings of analyze().
 struct AnalyzeOptions {
-  sketch::ExtractOptions sketch = kSteadySketch;
+  sketch::ExtractOptions sketch = kFollowedSketch;
   graph::MatchOptions match = {};
   StartOptions starts = {};
   mcmc::InferOptions infer = {};

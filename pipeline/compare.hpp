@@ -34,8 +34,7 @@ constexpr int kMostSynthesized = 1'000'000;
 
 /// Holds the settings of compare() and compare_models().
 struct CompareOptions {
-  /// Frame by frame: what is drawn needs no steadying, and the source is measured alike.
-  sketch::ExtractOptions sketch = {.sensitivity = kSteadySketch.sensitivity, .steady = false};
+  sketch::ExtractOptions sketch = kFollowedSketch;
   graph::MatchOptions match;
   dytex::LearnOptions
       learn;  ///< at most a third of the frames as components: more would overfit a short clip

@@ -9,6 +9,7 @@
 #include "core/context.hpp"
 #include "core/parallel.hpp"
 #include "dytex/measures/optical_flow.hpp"
+#include "graph/patch.hpp"
 
 namespace emberfold::pipeline {
 
@@ -28,5 +29,9 @@ void compute_motion(Entries& entries, const core::Context& context) {
     entry.back = dytex::optical_flow(next, entry.luma, kMostVectors);
   });
 }
+
+/// Returns the motion at a place of a frame of `size` px. `motion`: CV_32FC2, px; it may be smaller than the
+/// frame, and is interpolated bilinearly.
+graph::Point sample_motion(const cv::Mat& motion, cv::Size size, graph::Point p);
 
 }  // namespace emberfold::pipeline

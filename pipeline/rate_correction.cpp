@@ -14,7 +14,7 @@
 
 namespace emberfold::sketch {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ExtractOptions, sensitivity, finest_scale, scales,
-                                                min_contrast, min_length, spacing, steady, edges, outlines,
+                                                min_contrast, min_length, spacing, edges, outlines,
                                                 boundaries, colour, budget, tile)
 }  // namespace emberfold::sketch
 

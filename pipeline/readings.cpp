@@ -10,7 +10,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
-#include "pipeline/steady_frames.hpp"
+#include "pipeline/masked_sketch.hpp"
 
 namespace emberfold::pipeline {
 
@@ -67,20 +67,16 @@ StartSketches sketch_starts(core::FrameSource& source, const sketch::ExtractOpti
   auto& own = starts.clip.sketch;
   own.width = info.width, own.height = info.height, own.fps = info.fps;
   starts.perturbed = std::vector<graph::SketchSequence>(count, own);
-  stream_steady_frames(
-      source, "sketch", extract, context,
-      [&](int t, const cv::Mat& levels) {
-        std::vector<FrameReading> made{{levels, sketch::extract(levels, extract)}};
-        for (std::uint32_t copy = 0; copy < count; ++copy) {
-          cv::Mat noisy = add_noise(levels, kCopyNoise, seed, copy, static_cast<std::uint32_t>(t));
-          made.push_back({noisy, sketch::extract(noisy, extract)});
-        }
-        return made;
-      },
-      [&](int, std::vector<FrameReading> read) {
+  stream_sketches(
+      source, "sketch", context, 0, [](int) {},
+      [&](int t, const cv::Mat& levels, const cv::Mat& mask) {
         Frame made;
-        made.ground = sketch::measure_background(read.front().levels, read.front().graph);
-        for (FrameReading& reading : read) made.graphs.push_back(std::move(reading.graph));
+        made.graphs.push_back(inside_mask(sketch::extract(levels, extract), mask));
+        made.ground = sketch::measure_background(levels, made.graphs.front());
+        for (std::uint32_t copy = 0; copy < count; ++copy) {
+          const cv::Mat noisy = add_noise(levels, kCopyNoise, seed, copy, static_cast<std::uint32_t>(t));
+          made.graphs.push_back(inside_mask(sketch::extract(noisy, extract), mask));
+        }
         return made;
       },
       [&](int, Frame made) {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "pipeline/steady_frames.hpp"
+#include "pipeline/masked_sketch.hpp"
 
 namespace emberfold::pipeline {
 
@@ -18,15 +18,12 @@ SketchedClip sketch_clip(core::FrameSource& source, const sketch::ExtractOptions
   std::size_t kept = clip.grounds.size();
   const std::size_t at_once = core::frames_at_once(info.width, info.height, info.channels);
   clip.sketch.width = info.width, clip.sketch.height = info.height, clip.sketch.fps = info.fps;
-  stream_steady_frames(
-      source, "sketch", options, context, static_cast<int>(kept), [](int) {},
-      [&](int, const cv::Mat& levels) {
-        return std::vector<FrameReading>{{levels, sketch::extract(levels, options)}};
-      },
-      [&](int, std::vector<FrameReading> readings) {
-        FrameReading& own = readings.front();
-        auto ground = sketch::measure_background(own.levels, own.graph);
-        return Frame{std::move(own.graph), std::move(ground)};
+  stream_sketches(
+      source, "sketch", context, static_cast<int>(kept), [](int) {},
+      [&](int, const cv::Mat& levels, const cv::Mat& mask) {
+        auto graph = inside_mask(sketch::extract(levels, options), mask);
+        auto ground = sketch::measure_background(levels, graph);
+        return Frame{std::move(graph), std::move(ground)};
       },
       [&](int, Frame made) {
         clip.sketch.append(made.graph.kept_in(context.memory()));

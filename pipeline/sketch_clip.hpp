@@ -15,7 +15,7 @@ namespace emberfold::pipeline {
 
 /// Default options of a sketch whose strokes are followed in time: strokes that flicker would count as
 /// events.
-inline constexpr sketch::ExtractOptions kSteadySketch = {.sensitivity = 0.35};
+inline constexpr sketch::ExtractOptions kFollowedSketch = {.sensitivity = 0.35};
 
 /// Options of a sketch that is looked at, not followed in time, unless others are asked for.
 inline constexpr sketch::ExtractOptions kPictureSketch = {.outlines = true};

@@ -318,7 +318,7 @@ graph::AttributeGraph find_strokes(const Searched& frame, const cv::Mat& levels,
       prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
   return refine(
       smooth_patches(place_patches(network, space, levels, options.spacing, frame.noise), frame.noise),
-      levels, frame.axes, {options.spacing, nullptr});
+      levels, frame.axes, {options.spacing});
 }
 
 // The strokes of a frame in parts, with the statistics of the whole.

@@ -19,7 +19,6 @@ struct ExtractOptions {
   double min_contrast = 2;
   double min_length = 12;
   double spacing = 5;
-  bool steady = true;
   bool edges = true;
   bool outlines = false;
   bool boundaries = false;
@@ -43,8 +42,6 @@ struct ExtractOptions {
          "Leave out shorter curves that end freely"},
         {"spacing", &ExtractOptions::spacing, "PX", between(2, 100),
          "Distance of neighbouring patches along a curve"},
-        {"steady", &ExtractOptions::steady, "", kOnOff,
-         "Make the sketches of a clip agree with those before and after"},
         {"edges", &ExtractOptions::edges, "", kOnOff, "Detect step edges next to ridges and valleys"},
         {"outlines", &ExtractOptions::outlines, "", kOnOff,
          "Trace step edges as closed outlines, and keep of them and of lines what explains the frame (not "

@@ -57,7 +57,7 @@ class Settings {
   void assign(const std::string& assignment);
   [[nodiscard]] bool is_given(const std::string& name) const;
   [[nodiscard]] const std::vector<Setting>& all() const { return settings_; }
-  /// Returns "sketch.steady" for "steady" or "no-steady"; empty where no field has that name.
+  /// Returns "sketch.colour" for "colour" or "no-colour"; empty where no field has that name.
   [[nodiscard]] std::string name_of(const std::string& option) const;
 
  private:

@@ -10,7 +10,7 @@
 #include "core/io/clip_writer.hpp"
 #include "core/rng.hpp"
 #include "graph/io/motion_io.hpp"
-#include "pipeline/steady_frames.hpp"
+#include "pipeline/masked_sketch.hpp"
 
 namespace emberfold::apps {
 
@@ -101,21 +101,17 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
   const double part = sketch_part(request);
   FrameProgress progress(session.context, "sketch", info.frames);
   const sketch::ExtractOptions& extract = request.extract;
-  pipeline::stream_steady_frames(
-      source, "sketch", extract, session.context, 0,
+  pipeline::stream_sketches(
+      source, "sketch", session.context, 0,
       [&](int t) {
         if (request.evidence != nullptr) request.evidence->read(t);
       },
-      [&](int t, const cv::Mat& levels) {
+      [&](int t, const cv::Mat& levels, const cv::Mat& mask) {
         const auto graph = request.evidence != nullptr
                                ? sketch::extract(levels, extract, request.evidence->take(t))
                                : sketch::extract(levels, extract);
         progress.report(t, part);
-        return std::vector<pipeline::FrameReading>{{levels, graph}};
-      },
-      [&](int t, std::vector<pipeline::FrameReading> readings) {
-        const cv::Mat& levels = readings.front().levels;
-        Made made{readings.front().graph, {}, {}, {}};
+        Made made{pipeline::inside_mask(graph, mask), {}, {}, {}};
         const auto context = progress.step(t, part);
         context.report("sketch", 0);
         made.drawn = draw_sketched(levels, made.graph, t, request, context);

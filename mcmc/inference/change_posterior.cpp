@@ -25,9 +25,9 @@ constexpr double kSwitch = 0.02;         // prior probability of a change, a fra
 constexpr std::size_t kTolerance = 2;    // frames
 
 // Weights of the log-linear model, fitted by tests/bench/fit_event_weights.py (docs/method/events.md).
-constexpr double kIntercept = -3.50;
-constexpr double kStrokeFactor = 0.45, kJointFactor = 0.27;  // of a nat
-constexpr double kShortSide = 1.33;  // of a logarithm of frames without opposite change
+constexpr double kIntercept = -3.64;
+constexpr double kStrokeFactor = 0.48, kJointFactor = 0.26;  // of a nat
+constexpr double kShortSide = 1.37;  // of a logarithm of frames without opposite change
 constexpr double kUsualShare = 0.4;  // of true changes
 constexpr double kPseudo = 0.5;      // true and false changes that are counted beforehand, each
 

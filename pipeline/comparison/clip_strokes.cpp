@@ -34,42 +34,23 @@ std::optional<double> log_ratio(double a, double b) {
 
 ClipStrokes::ClipStrokes(cv::Size size, double fps, const sketch::ExtractOptions& sketch,
                          const graph::MatchOptions& match)
-    : extract_(sketch), match_(match), waiting_(sketch) {
+    : extract_(sketch), match_(match) {
   sketch_.width = size.width, sketch_.height = size.height, sketch_.fps = fps;
 }
 
 void ClipStrokes::add(std::span<const cv::Mat> levels, const core::Context& context) {
-  std::vector<FrameReading> frames(levels.size());
-  core::parallel_for(levels.size(), context, [&](std::size_t i) {
-    frames[i] = {levels[i], sketch::extract(levels[i], extract_)};
-  });
-  for (FrameReading& frame : frames) waiting_.push({std::move(frame)});
-  settle(waiting_, sketch_, false, context);
-}
-
-void ClipStrokes::settle(SteadyFrames& frames, graph::SketchSequence& sketch, bool last,
-                         const core::Context& context) {
-  const std::size_t count = frames.prepare(last, context);
-  std::vector<graph::AttributeGraph> graphs(count);
-  core::parallel_for(count, context,
-                     [&](std::size_t i) { graphs[i] = std::move(frames.steady(i).front().graph); });
-  for (const auto& graph : graphs) sketch.append(graph);
-  frames.drop(count);
-}
-
-graph::SketchSequence ClipStrokes::sketch(const core::Context& context) const {
-  graph::SketchSequence all = sketch_;
-  SteadyFrames frames = waiting_;
-  settle(frames, all, true, context);
-  return all;
+  std::vector<graph::AttributeGraph> graphs(levels.size());
+  core::parallel_for(levels.size(), context,
+                     [&](std::size_t i) { graphs[i] = sketch::extract(levels[i], extract_); });
+  for (const auto& graph : graphs) sketch_.append(graph);
 }
 
 graph::MotionGraph ClipStrokes::motion(const core::Context& context) const {
-  return match_strokes(sketch(context), match_, context);
+  return match_strokes(sketch_, match_, context);
 }
 
 mcmc::StrokeSeries ClipStrokes::series(const core::Context& context) const {
-  return stroke_series(sketch(context), match_, context);
+  return stroke_series(sketch_, match_, context);
 }
 
 graph::MotionGraph match_strokes(graph::SketchSequence sketch, const graph::MatchOptions& match,

@@ -12,7 +12,6 @@
 #include "graph/motion_graph.hpp"
 #include "mcmc/learning/stroke_statistics.hpp"
 #include "pipeline/comparison/clip_measures.hpp"
-#include "pipeline/steady_frames.hpp"
 #include "sketch/extract.hpp"
 
 namespace emberfold::pipeline {
@@ -32,13 +31,8 @@ class ClipStrokes {
   [[nodiscard]] mcmc::StrokeSeries series(const core::Context& context) const;
 
  private:
-  static void settle(SteadyFrames& frames, graph::SketchSequence& sketch, bool last,
-                     const core::Context& context);
-  [[nodiscard]] graph::SketchSequence sketch(const core::Context& context) const;
-
   sketch::ExtractOptions extract_;
   graph::MatchOptions match_;
-  SteadyFrames waiting_;
   graph::SketchSequence sketch_;
 };
 

@@ -8,7 +8,6 @@
 #include "core/clip.hpp"
 #include "core/clip/frame_stream.hpp"
 #include "pipeline/frame_motion.hpp"
-#include "sketch/steadying/carried_sketch.hpp"
 
 namespace emberfold::pipeline {
 
@@ -42,7 +41,7 @@ void FrameWindow::drop_before(int frame) {
 
 graph::Point FrameWindow::carry(graph::Point p, int from, int step) const {
   const Entry& pair = entry(step > 0 ? from : from - 1);
-  return p + sketch::sample_motion(step > 0 ? pair.on : pair.back, size_, p);
+  return p + sample_motion(step > 0 ? pair.on : pair.back, size_, p);
 }
 
 }  // namespace emberfold::pipeline

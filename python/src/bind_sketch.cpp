@@ -62,7 +62,7 @@ void bind_sketch(py::module_& module) {
           return pipeline::sketch_clip(*clip.open(), options, context).sketch;
         }));
       },
-      py::arg("clip"), py::arg("options") = pipeline::kSteadySketch, py::arg("progress") = py::none(),
+      py::arg("clip"), py::arg("options") = pipeline::kFollowedSketch, py::arg("progress") = py::none(),
       doc("pipeline::sketch_clip"));
 }
 

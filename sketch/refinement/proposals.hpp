@@ -92,6 +92,5 @@ double median_contrast(const EditableGraph& draft, const std::vector<Slot>& slot
 void propose_at_ends(ProposalBuilder& editor);      // proposals_ends.cpp
 void propose_meetings(ProposalBuilder& editor);     // proposals_junctions.cpp
 void propose_for_strokes(ProposalBuilder& editor);  // proposals_strokes.cpp
-void propose_offered(ProposalBuilder& editor, const graph::AttributeGraph& offered);  // proposals_offered.cpp
 
 }  // namespace emberfold::sketch

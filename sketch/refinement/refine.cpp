@@ -74,7 +74,6 @@ graph::AttributeGraph refine(const graph::AttributeGraph& graph, const cv::Mat& 
   for (int i = 0; i < kMostRounds; ++i) {
     ProposalBuilder editor(draft, levels, axes, refinement, cache);
     propose_for_strokes(editor);
-    if (refinement.offered != nullptr) propose_offered(editor, *refinement.offered);
     propose_at_ends(editor);
     propose_meetings(editor);
     if (!apply_best(draft, editor.take_proposals())) break;

@@ -12,14 +12,13 @@ namespace emberfold::sketch {
 
 /// Holds the settings of refine().
 struct RefineOptions {
-  double spacing = 5;                              ///< px from patch to patch, ≥ 2
-  const graph::AttributeGraph* offered = nullptr;  ///< strokes that may be there too, up to 4 px beside
+  double spacing = 5;  ///< px from patch to patch, ≥ 2
 };
 
 /// Runs phase II of the sketch pursuit (Guo, Zhu & Wu 2007), which edits the graph.
 /// An edit is made where it shortens the frame's code (EditableGraph). The greatest change comes first, until
 /// none shortens. The edits:
-/// - strokes are deleted, or created where they are offered;
+/// - strokes are deleted;
 /// - ends grow and shrink, meet other ends, go on to another stroke, or meet in a corner; the patches of two
 ///   ends become one;
 /// - a faded middle of a stroke is cut out; neighbouring junctions become one; two parallel steps become a

@@ -244,10 +244,10 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   refused({"--seed", "-1"}, {"--seed", "-1"});
   refused({"--min-contrats", "3"}, {"--min-contrats", "--set sketch.min_contrast=VALUE"});
   refused({"--min-contrast", "3"}, {"--min-contrast", "--set sketch.min_contrast=VALUE"});
-  refused({"--set", "sketch.steady=maybe"}, {"sketch.steady", "maybe", "true"});
-  refused({"--set", "sketsh.steady=true"}, {"'sketsh'", "sketch", "did you mean sketch?"});
+  refused({"--set", "sketch.colour=maybe"}, {"sketch.colour", "maybe", "true"});
+  refused({"--set", "sketsh.colour=true"}, {"'sketsh'", "sketch", "did you mean sketch?"});
   refused({"--set", "sketch.min_contrats=1"}, {"'min_contrats'", "did you mean min_contrast?"});
-  for (const char* odd : {"", "=", "sketch", "sketch.steady", "steady=true", "."})
+  for (const char* odd : {"", "=", "sketch", "sketch.colour", "colour=true", "."})
     refused({"--set", odd}, {"--set"});
   refused({"surplus"}, {"surplus"});
   check_refused({"analyze", clip, "-o", out.string(), "--set", "match.max_motion=0"}, 2,
@@ -349,8 +349,8 @@ TEST_CASE("a setting changes what its field changes, and the last of two counts"
   const auto usual = options({});
   auto changed = usual;
   changed["spacing"] = 7.0;
-  changed["steady"] = false;
-  CHECK(options({"--set", "sketch.spacing=6", "--set", "sketch.steady=no", "--set=sketch.spacing=7"}) ==
+  changed["boundaries"] = true;
+  CHECK(options({"--set", "sketch.spacing=6", "--set", "sketch.boundaries=yes", "--set=sketch.spacing=7"}) ==
         changed);
   changed = usual;
   changed["edges"] = false;

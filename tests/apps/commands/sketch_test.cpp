@@ -322,20 +322,11 @@ TEST_CASE("every fill draws texture of its own the same at any number of threads
   }
 }
 
-TEST_CASE("sketches of a clip agree with those before and after, at any number of threads", "[slow]") {
+TEST_CASE("sketches of a clip are the same bytes at any number of threads") {
   const TempFolder temp;
-  const auto read = [&](const char* name) {
-    std::ifstream file(temp / name / "sketch.jsonl");
-    return graph::read_sketch(file, name);
-  };
-  const auto summary = sketched("builtin:river", temp / "steady", {"--range", "20:28"});
+  sketched("builtin:river", temp / "several", {"--range", "20:28", "--threads", "3"});
   sketched("builtin:river", temp / "one", {"--range", "20:28", "--threads", "1"});
-  sketched("builtin:river", temp / "alone", {"--range", "20:28", "--set", "sketch.steady=false"});
-  CHECK(summary["options"]["sketch"]["steady"] == true);
-  CHECK(bytes_of(temp / "steady/sketch.jsonl") == bytes_of(temp / "one/sketch.jsonl"));
-  const auto steady = read("steady"), alone = read("alone");
-  REQUIRE(steady.frames.size() == 8);
-  CHECK_FALSE(steady == alone);
+  CHECK(bytes_of(temp / "several/sketch.jsonl") == bytes_of(temp / "one/sketch.jsonl"));
 }
 
 TEST_CASE("curves may come from a file, one image for all frames or one for each") {

@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const auto clip = io::open_video(argv[1]);
-  const auto sketch = pipeline::sketch_clip(*clip, pipeline::kSteadySketch, {}).sketch;
+  const auto sketch = pipeline::sketch_clip(*clip, pipeline::kFollowedSketch, {}).sketch;
   const auto motion = graph::match(pipeline::add_lasting_patches(*clip, sketch), {});
   std::cout << "frame,type,x,y,log_factor,of_stroke,since,until,contrast\n";
   for (const auto& [event, evidence] : pipeline::weigh_events(*clip, motion))

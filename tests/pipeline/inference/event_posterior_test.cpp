@@ -38,7 +38,7 @@ core::Clip film(const Level& level, double noise) {
 
 graph::MotionGraph matched(const core::Clip& clip) {
   core::ClipSource source(clip);
-  return graph::match(pipeline::sketch_clip(source, pipeline::kSteadySketch, {}).sketch, {});
+  return graph::match(pipeline::sketch_clip(source, pipeline::kFollowedSketch, {}).sketch, {});
 }
 
 std::vector<graph::Event> posterior(const core::Clip& clip, const graph::MotionGraph& motion) {

@@ -45,7 +45,7 @@ double upright(Point p, double x, double end) {
 
 graph::SketchSequence sketch_of(const core::Clip& clip) {
   core::ClipSource source(clip);
-  return pipeline::sketch_clip(source, pipeline::kSteadySketch, {}).sketch;
+  return pipeline::sketch_clip(source, pipeline::kFollowedSketch, {}).sketch;
 }
 
 graph::SketchSequence lasting(const core::Clip& clip, const graph::SketchSequence& sketch) {
