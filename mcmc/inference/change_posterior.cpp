@@ -28,10 +28,10 @@ constexpr std::size_t kTolerance = 2;    // frames
 constexpr double kIntercept = -3.64;
 constexpr double kStrokeFactor = 0.48, kJointFactor = 0.26;  // of a nat
 constexpr double kShortSide = 1.37;  // of a logarithm of frames without opposite change
-constexpr double kUsualShare = 0.4;  // of true changes
+// Not fitted.
+constexpr double kUsualShare = 0.4;  // of true changes, in the clips that the weights were fitted to
 constexpr double kPseudo = 0.5;      // true and false changes that are counted beforehand, each
-
-// Not fitted, but chosen so that what cannot be seen is not believed (docs/method/events.md).
+// What cannot be seen is not believed (docs/method/events.md).
 constexpr double kFaint = 4, kPlainContrast = 16;  // of a logarithm of grey levels, below so many
 }  // namespace tuning
 

@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
 #include <cstdint>
 #include <cstdlib>
-#include <iterator>
 #include <numeric>
 #include <optional>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "core/clip/frame_stream.hpp"

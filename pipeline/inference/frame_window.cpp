@@ -3,8 +3,6 @@
 
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
-
 #include "core/clip.hpp"
 #include "core/clip/frame_stream.hpp"
 #include "pipeline/frame_motion.hpp"
@@ -15,7 +13,6 @@ WindowFrame make_window_frame(const cv::Mat& frame, const core::ClipInfo& info) 
   WindowFrame made;
   const cv::Mat levels = core::to_levels(frame, info);
   made.luma = core::luma(levels);
-  cv::pyrDown(made.luma, made.halved);
   made.levels = frame.depth() == CV_8U && info.white == 255 ? frame : levels;
   return made;
 }

@@ -14,7 +14,7 @@ namespace emberfold::pipeline {
 /// Holds one frame in a window's format.
 struct WindowFrame {
   cv::Mat levels;  ///< CV_8U unchanged where that is white = 255, else CV_32F; 1 or 3 channels
-  cv::Mat1f luma, halved;
+  cv::Mat1f luma;
 };
 /// Converts a frame of a clip to this format. O(pixels).
 WindowFrame make_window_frame(const cv::Mat& frame, const core::ClipInfo& info);
@@ -36,7 +36,6 @@ class FrameWindow {
   [[nodiscard]] int first() const { return first_; }                                    ///< frame held
   [[nodiscard]] int end() const { return first_ + static_cast<int>(entries_.size()); }  ///< one past the last
   [[nodiscard]] const cv::Mat& levels(int frame) const { return entry(frame).levels; }
-  [[nodiscard]] const cv::Mat1f& halved(int frame) const { return entry(frame).halved; }  ///< luma
   /// Returns where point p of frame `from` moves in the next frame or (`step` −1) in the previous one.
   [[nodiscard]] graph::Point carry(graph::Point p, int from, int step) const;
 
