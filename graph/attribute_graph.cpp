@@ -185,6 +185,16 @@ AttributeGraph without_anchors(const AttributeGraph& graph) {
   return {std::move(strokes), {graph.edges().begin(), graph.edges().end()}, graph.memory()};
 }
 
+AttributeGraph induced_subgraph(const AttributeGraph& graph, const std::vector<bool>& stays) {
+  std::vector<Vertex> vertices;
+  std::vector<Edge> edges;
+  for (std::size_t i = 0; i < graph.size(); ++i)
+    if (stays[i]) vertices.push_back(graph.vertices()[i]);
+  for (const Edge& edge : graph.edges())
+    if (stays[graph.index_of(edge.a)] && stays[graph.index_of(edge.b)]) edges.push_back(edge);
+  return {std::move(vertices), std::move(edges), graph.memory()};
+}
+
 Components components(const AttributeGraph& graph) {
   const std::size_t n = graph.size();
   std::vector<std::size_t> rank(n), parent(n);

@@ -109,6 +109,9 @@ class AttributeGraph {
 /// or measures strokes in graphs that may hold anchors begins with this. O(n).
 AttributeGraph without_anchors(const AttributeGraph& graph);
 
+/// Returns the induced subgraph: the vertices that stay, by index, and the edges between them. O(n log n).
+AttributeGraph induced_subgraph(const AttributeGraph& graph, const std::vector<bool>& stays);
+
 /// The connected components of a graph without its anchors, numbered 0, 1, … by their lowest vertex index.
 struct Components {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};

@@ -17,16 +17,10 @@ graph::AttributeGraph inside_mask(const graph::AttributeGraph& graph, const cv::
     return mask.at<std::uint8_t>(y, x) != 0;
   };
   // Drops a patch whose neighbours are all outside: it is no stroke of its own.
-  const auto stays = [&](std::size_t i) {
-    return inside(i) && (graph.degree(i) == 0 || std::ranges::any_of(graph.neighbours(i), inside));
-  };
-  std::vector<graph::Vertex> vertices;
-  std::vector<graph::Edge> edges;
+  std::vector<bool> stays;
   for (std::size_t i = 0; i < graph.size(); ++i)
-    if (stays(i)) vertices.push_back(graph.vertices()[i]);
-  for (const graph::Edge& edge : graph.edges())
-    if (stays(graph.index_of(edge.a)) && stays(graph.index_of(edge.b))) edges.push_back(edge);
-  return {std::move(vertices), std::move(edges)};
+    stays.push_back(inside(i) && (graph.degree(i) == 0 || std::ranges::any_of(graph.neighbours(i), inside)));
+  return graph::induced_subgraph(graph, stays);
 }
 
 }  // namespace emberfold::pipeline

@@ -230,8 +230,8 @@ void run_batch(const Batch& asked, Session& session) {
 }  // namespace
 
 void add_batch(CLI::App& runs, CommandLine& line) {
-  auto* command = add_command(runs, "batch",
-                              "Analyse many clips, each into a folder of its own; goes on where it was", R"(
+  auto* command =
+      add_command(runs, "batch", "Analyse many clips, each into a folder of its own; can be resumed", R"(
   emberfold runs batch 'clips/*.avi' -o runs --jobs 2
   emberfold runs batch clips/wild clips/mutant -o runs --pixel-size 0.065um --fps 30)");
   const auto asked = std::make_shared<Batch>();

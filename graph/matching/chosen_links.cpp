@@ -8,6 +8,8 @@
 
 #include <boost/pending/disjoint_sets.hpp>
 
+#include "graph/matching/frame_links.hpp"
+
 namespace emberfold::graph::detail {
 
 namespace {
@@ -43,30 +45,27 @@ std::vector<Link> choose_links(const AttributeGraph& before, const AttributeGrap
                                const std::vector<Link>& one, const std::vector<Link>& other) {
   if (one == other) return one;
   const std::array sets{&one, &other};
+  const std::array indexed{index_links(before, after, one).links, index_links(before, after, other).links};
   const Components parts_before = components(before), parts_after = components(after);
   const std::size_t count = parts_before.count + parts_after.count;
-  const auto component_before = [&](const Link& link) -> std::size_t {
-    return parts_before.of_vertex[before.index_of(link.before)];
-  };
-  const auto component_after = [&](const Link& link) -> std::size_t {
-    return parts_before.count + parts_after.of_vertex[after.index_of(link.after)];
+  const auto component_before = [&](std::uint32_t i) -> std::size_t { return parts_before.of_vertex[i]; };
+  const auto component_after = [&](std::uint32_t j) -> std::size_t {
+    return parts_before.count + parts_after.of_vertex[j];
   };
   Clusters groups(count);
   std::array clusters{Clusters(count), Clusters(count)};
   for (std::size_t k = 0; k < sets.size(); ++k)
-    for (const Link& link : *sets[k]) {
-      groups.tie(component_before(link), component_after(link));
-      clusters[k].tie(component_before(link), component_after(link));
+    for (const auto& [i, j] : indexed[k]) {
+      groups.tie(component_before(i), component_after(j));
+      clusters[k].tie(component_before(i), component_after(j));
     }
-  std::array<std::vector<Explanation>, 2> of_group{std::vector<Explanation>(count),
-                                                   std::vector<Explanation>(count)};
+  std::array of_group{std::vector<Explanation>(count), std::vector<Explanation>(count)};
   for (std::size_t k = 0; k < sets.size(); ++k) {
     std::vector<bool> is_counted(count, false);
-    for (const Link& link : *sets[k]) {
-      const std::size_t from = component_before(link), cluster = clusters[k].of(from);
+    for (const auto& [i, j] : indexed[k]) {
+      const std::size_t from = component_before(i), cluster = clusters[k].of(from);
       Explanation& so_far = of_group[k][groups.of(from)];
-      const Point way = after.patch(after.index_of(link.after)).position -
-                        before.patch(before.index_of(link.before)).position;
+      const Point way = after.patch(j).position - before.patch(i).position;
       if (!is_counted[cluster]) ++so_far.clusters;
       is_counted[cluster] = true;
       ++so_far.links;
@@ -75,10 +74,10 @@ std::vector<Link> choose_links(const AttributeGraph& before, const AttributeGrap
   }
   std::vector<Link> chosen;
   for (std::size_t k = 0; k < sets.size(); ++k)
-    for (const Link& link : *sets[k]) {
-      const std::size_t group = groups.of(component_before(link));
+    for (std::size_t n = 0; n < sets[k]->size(); ++n) {
+      const std::size_t group = groups.of(component_before(indexed[k][n].first));
       const bool is_other = of_group[1][group].is_better_than(of_group[0][group]);
-      if (is_other == (k == 1)) chosen.push_back(link);
+      if (is_other == (k == 1)) chosen.push_back((*sets[k])[n]);
     }
   std::ranges::sort(chosen);
   return chosen;

@@ -91,19 +91,14 @@ graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
     for (const graph::Edge& edge : of_figures.edges()) cv::line(away, pixel(edge.a), pixel(edge.b), 0);
     cv::Mat1f distance;
     cv::distanceTransform(away, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    const auto stays = [&](std::size_t i) {
+    std::vector<bool> stays;
+    for (std::size_t i = 0; i < of_lines.size(); ++i) {
       const graph::Patch& patch = of_lines.patch(i);
       const int x = std::clamp(cvRound(patch.position.x), 0, lines.width - 1),
                 y = std::clamp(cvRound(patch.position.y), 0, lines.height - 1);
-      return distance(y, x) > kOnOutline + patch.width / 2 + patch.blur;
-    };
-    std::vector<graph::Vertex> vertices;
-    std::vector<graph::Edge> edges;
-    for (std::size_t i = 0; i < of_lines.size(); ++i)
-      if (stays(i)) vertices.push_back(of_lines.vertices()[i]);
-    for (const graph::Edge& edge : of_lines.edges())
-      if (stays(of_lines.index_of(edge.a)) && stays(of_lines.index_of(edge.b))) edges.push_back(edge);
-    left.append(graph::AttributeGraph(std::move(vertices), std::move(edges), of_lines.memory()));
+      stays.push_back(distance(y, x) > kOnOutline + patch.width / 2 + patch.blur);
+    }
+    left.append(graph::induced_subgraph(of_lines, stays));
   }
   return left;
 }

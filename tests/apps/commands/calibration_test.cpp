@@ -54,7 +54,7 @@ TEST_CASE(
   CHECK(calibration["source"]["strokes"] > 1);
   CHECK(calibration["source"]["events"].size() == 6);
   for (const auto& [name, rate] : calibration["source"]["events"].items()) CHECK(rate >= 0);
-  // The source is read as drawn clips are, without lasting patches.
+  // The source is sketched like drawn clips, without lasting patches.
   const auto patches_of = [](const Json& source) { return source["patches"].get<double>(); };
   const double found = plain["sketch"]["patches_per_frame"].get<double>();
   CHECK(patches_of(calibration["source"]) < found + 0.01);
