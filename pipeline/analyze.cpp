@@ -77,7 +77,7 @@ bool holds_figures(const Figures& figures) {
   return std::ranges::any_of(figures.motion.sketch.frames, [](const auto& graph) { return !graph.empty(); });
 }
 
-/// Finds graphs and events, and learns the motion model, from the sketches of the clip.
+/// Finds graphs and events from the sketches of the clip; samples of graphs give the motion model, too.
 void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figures figures,
                   const AnalyzeOptions& options, Analysis& analysis, mcmc::FitResult& fitted,
                   core::StageClock& clock, const core::Context& context) {
@@ -92,10 +92,6 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figu
       add_figures(analysis.motion, analysis.all_events, std::move(figures));
       group_curves(analysis, context);
     }
-    clock.begin("learn");
-    core::return_freed_memory();
-    fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
-    core::return_freed_memory();
   } else {
     const auto starts = match_starts(sketches, options.match, options.starts, context);
     clock.begin("sample");
@@ -108,7 +104,6 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figu
     analysis.all_events = event_posterior(source, sampled.last.front(), context);
     weigh_by_samples(sampled.last, analysis.all_events);
     analysis.sampled = std::move(sampled.sampler);
-    clock.begin("learn");
   }
 }
 
@@ -171,12 +166,17 @@ StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sket
 
 /// Chooses the events to report and, where they are weighed, makes the motion graph agree with them.
 void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
-  if (!options.bottom_up && !options.curve_events)
-    follow_strokes(analysis.motion, analysis.all_events, options.least_probability);
-  std::ranges::copy_if(analysis.all_events, std::back_inserter(analysis.events),
-                       [&](const graph::Event& e) { return e.probability >= options.least_probability; });
+  const auto reported = [&] {
+    std::vector<graph::Event> events;
+    std::ranges::copy_if(analysis.all_events, std::back_inserter(events),
+                         [&](const graph::Event& e) { return e.probability >= options.least_probability; });
+    return events;
+  };
   analysis.contacts = graph::event_contacts(
-      options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, analysis.events);
+      options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, reported());
+  if (!options.bottom_up && !options.curve_events)
+    settle_graph(analysis.motion, analysis.all_events, analysis.cuts, options.least_probability);
+  analysis.events = reported();
 }
 
 std::string words_of(const std::vector<int>& cuts) {
@@ -186,7 +186,7 @@ std::string words_of(const std::vector<int>& cuts) {
          " (a cut, black frames or a flash); strokes that end or begin there are not counted as events";
 }
 
-/// Finds motion and events, or reads those that are kept; the model is learned where it is not kept.
+/// Finds motion and events, or reads those that are kept; the motion model is learned where it is not kept.
 void find_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
                  const AnalysisStages* stages, bool has_model, Analysis& analysis, mcmc::FitResult& fitted,
                  core::StageClock& clock, const core::Context& context) {
@@ -197,8 +197,6 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     analysis.joints = std::move(kept->joints);
     analysis.all_events = std::move(kept->all_events);
     analysis.cuts = std::move(kept->cuts);
-    clock.begin("learn");
-    if (!has_model) fitted = mcmc::fit(analysis.motion, {options.seed, true}, context);
   } else {
     clock.begin("carry");
     analysis.cuts = find_cuts(source, context.with_progress({}));
@@ -206,7 +204,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     Figures figures;
     if (options.figures && !options.bottom_up && !options.curve_events && !options.sample) {
       clock.begin("figures");
-      figures = find_figures(source, context);
+      figures = find_figures(source, lasting.clip.sketch, context);
     }
     if (holds_figures(figures)) {
       lasting.clip.sketch = without_outlines(lasting.clip.sketch, figures.motion.sketch);
@@ -223,8 +221,14 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
     analysis.reviewed = apply_review(analysis.all_events, *options.review, gaps, options.seed);
     analysis.all_events = analysis.reviewed->events;
   }
+  clock.begin("learn");
   settle_events(analysis, options);
   if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());
+  core::return_freed_memory();
+  // Of a stroke that is believed pieces may be left, which the model takes as strokes.
+  if (!has_model && !options.sample)
+    fitted = mcmc::fit(graph::identify(analysis.motion), {options.seed, true}, context);
+  core::return_freed_memory();
 }
 
 /// Learns everything that new clips are drawn with. `fitted`: how the strokes move.

@@ -47,7 +47,7 @@ void write_data(io::OutputFolder& output, const pipeline::Analysis& found,
   const auto& motion = found.motion;
   const auto& events = found.events;
   if (jsonl) {
-    output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, motion.sketch); });
+    output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, found.sketched.sketch); });
     output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, motion); });
   }
   write_events(output, found, units);
@@ -185,7 +185,7 @@ Json files_json(const AnalyzeOptions& options, bool keeps) {
   if (keeps) files["stages/"] = "what each step made: the same command goes on from there";
   if (options.jsonl) {
     files["motion.jsonl"] = "graphs and their links, a line a frame";
-    files["sketch.jsonl"] = "the graphs alone";
+    files["sketch.jsonl"] = "the sketch of every frame, before strokes are followed";
   }
   if (options.reconstruction) files["reconstruction.avi"] = "the clip drawn from its sketch";
   return files;
@@ -300,6 +300,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   pipeline::AnalyzeOptions asked = static_cast<const pipeline::AnalyzeOptions&>(options);
   const auto& origin = source->info().origin;
   asked.seed = session.common.seed, asked.clip = made.clip;
+  asked.keep_sketch = options.jsonl;
   if (asked.review)
     for (auto& one : *asked.review)
       one.event.position = one.event.position - graph::Point{origin.x, origin.y};

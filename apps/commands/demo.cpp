@@ -62,7 +62,6 @@ void run_demo(const Demo& asked, Session& session) {
   const auto truth = graph::read_events(truth_text, "truth.json");
   AnalyzeOptions options;
   options.reconstruction = true;
-  options.keep_sketch = true;
   // Reads the file rather than the clip in memory, as the printed command does.
   auto analysis = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
                                "builtin:" + asked.clip);

@@ -47,9 +47,10 @@ graph::MotionGraph read_motion_of_run(const fs::path& folder, const nlohmann::js
   std::error_code error;
   if (!fs::exists(folder / "motion.jsonl", error) && !summary.contains("review")) {
     const auto& options = summary.at("options");
-    const bool weighs_strokes =
-        !options.at("bottom_up").get<bool>() && !options.at("curve_events").get<bool>();
-    if (auto motion = pipeline::read_kept_motion(folder, weighs_strokes)) return *std::move(motion);
+    std::optional<double> least_probability;
+    if (!options.at("bottom_up").get<bool>() && !options.at("curve_events").get<bool>())
+      least_probability = options.at("least_probability").get<double>();
+    if (auto motion = pipeline::read_kept_motion(folder, least_probability)) return *std::move(motion);
   }
   auto file = open_of_run(folder, "motion.jsonl");
   return graph::read_motion(file, (folder / "motion.jsonl").string());
@@ -78,7 +79,7 @@ FinishedRun read_finished_run(const fs::path& folder) {
 
 std::vector<std::string> names_to_write(const Export& asked) {
   std::vector<std::string> names;
-  if (asked.jsonl) names.insert(names.end(), {"motion.jsonl", "sketch.jsonl"});
+  if (asked.jsonl) names.insert(names.end(), {"motion.jsonl"});
   if (asked.csv)
     names.insert(names.end(),
                  {"events.csv", "strokes.csv", "trajectories.csv", "curves.csv", "lives.csv", "network.csv"});
@@ -123,10 +124,8 @@ void run_export(const Export& asked, Session& session) {
   if (folder != asked.run && !session.common.overwrite) io::require_own(folder, names);
   const auto run = read_finished_run(asked.run);
   io::OutputFolder output(folder, session.common.existing());
-  if (asked.jsonl) {
+  if (asked.jsonl)
     output.write("motion.jsonl", [&](std::ostream& out) { graph::write_motion(out, run.motion); });
-    output.write("sketch.jsonl", [&](std::ostream& out) { graph::write_sketch(out, run.motion.sketch); });
-  }
   if (asked.csv) write_tables(run, output);
   write_for_others(asked, run, output);
   session.check_stop();
@@ -146,7 +145,7 @@ void add_export(CLI::App& app, CommandLine& line) {
   const auto asked = std::make_shared<Export>();
   command->add_option("RUN", asked->run, "Folder of analyze")->required()->type_name("");
   command->add_option("-o,--output", asked->output, "Write into this folder [RUN]")->type_name("DIR");
-  command->add_flag("--jsonl", asked->jsonl, "Graphs and links: motion.jsonl, sketch.jsonl");
+  command->add_flag("--jsonl", asked->jsonl, "Graphs and links: motion.jsonl");
   command->add_flag("--csv", asked->csv, "Tables of events, strokes, curves, lives, trajectories, network");
   command->add_flag("--geff", asked->geff, "Graph exchange file format (zarr): run.geff");
   command->add_flag("--trackmate", asked->trackmate, "TrackMate of Fiji: trackmate.xml");

@@ -23,6 +23,10 @@ struct FigureView {
   [[nodiscard]] graph::Point in_frame(double x, double y) const {
     return {(x + 0.5) * factor - 0.5, (y + 0.5) * factor - 0.5};
   }
+  /// Returns a place of the frame in pixels of the view.
+  [[nodiscard]] graph::Point in_view(graph::Point p) const {
+    return {(p.x + 0.5) / factor - 0.5, (p.y + 0.5) / factor - 0.5};
+  }
 };
 /// Returns the view of a clip's frames.
 FigureView figure_view(const core::ClipInfo& info);

@@ -4,9 +4,8 @@
 #include <map>
 #include <utility>
 
-#include <boost/pending/disjoint_sets.hpp>
-
 #include "core/parallel.hpp"
+#include "pipeline/figures/figure_families.hpp"
 #include "pipeline/figures/figure_labelling.hpp"
 #include "pipeline/figures/figure_regions.hpp"
 
@@ -20,11 +19,6 @@ constexpr double kCorrelated = 2;      // px of an outline that are one observat
 constexpr double kChange = 15;         // nats
 constexpr double kMostOfBorder = 0.3;  // of the frame; more has ground
 constexpr double kGround = -1e6;       // nats that ground gains: it is never a figure
-// A figure is wider than a line, somewhere and in most places, or no longer than wide.
-constexpr double kLeastThickness = 12;   // px
-constexpr double kLeastWide = 0.5;       // of a family's area
-constexpr double kLongest = 2.5;         // squares of its thickness
-constexpr double kLeastFigure = 1. / 6;  // of a region, in a figure of threshold 0
 
 using Link = std::pair<std::size_t, std::size_t>;  // a region, one of the next frame
 using Weights = std::map<Link, double>;            // pixels that overlap
@@ -52,11 +46,6 @@ Weights links_between(const FigureRegions& all, std::size_t r, std::size_t t, co
     if (pixels >= kLeastShare * std::min(reading.regions[link.first].area, reading.regions[link.second].area))
       links.emplace(link, pixels);
   return links;
-}
-
-/// Returns the nats of a pixel of outline by which a region explains the frame better than nothing does.
-double gain_of(const FigureRegion& region) {
-  return 0.5 * std::log(region.plane / region.figure) - kLeastNats;
 }
 
 /// The regions of a reading, the links of which form chains and stars.
@@ -99,18 +88,6 @@ class LinkedReading {
       if (unit_of[i] != kNoRegion && labels[unit_of[i]] == 0) remove(i);
   }
 
-  /// Returns one region of those that links join, directly or not, for each region.
-  [[nodiscard]] std::vector<std::size_t> families() const {
-    std::vector<std::size_t> rank(regions_.size()), parent(regions_.size());
-    boost::disjoint_sets sets(rank.data(), parent.data());
-    for (std::size_t i = 0; i < regions_.size(); ++i) sets.make_set(i);
-    for (std::size_t i = 0; i < regions_.size(); ++i)
-      for (const std::size_t j : regions_[i].next) sets.union_set(i, j);
-    std::vector<std::size_t> family;
-    for (std::size_t i = 0; i < regions_.size(); ++i) family.push_back(sets.find_set(i));
-    return family;
-  }
-
  private:
   void cut(Link link) {
     std::erase(regions_[link.first].next, link.second);
@@ -142,7 +119,7 @@ class LinkedReading {
     double gain = 0, border = 0;
     for (const std::size_t j : chain) {
       border += regions_[j].border;
-      gain += regions_[j].rim / kCorrelated * gain_of(regions_[j]);
+      gain += regions_[j].rim / kCorrelated * (regions_[j].gain() - kLeastNats);
     }
     if (border >= kMostOfBorder * 2 * (view.width + view.height) * double(chain.size())) return kGround;
     if (first.before.empty() && first.frame > 0 && first.border == 0) gain -= kChange;
@@ -153,49 +130,10 @@ class LinkedReading {
   std::vector<FigureRegion>& regions_;
 };
 
-/// Says which regions of threshold 0 are figures.
-void find_figures(std::vector<FigureRegion>& regions) {
-  struct Family {
-    double thickness = 0, length = 0, area = 0, wide = 0;
-    [[nodiscard]] bool is_figure() const {
-      return thickness >= kLeastThickness ? wide >= kLeastWide * area
-                                          : thickness >= kWideDisc && length < kLongest;
-    }
-  };
-  const auto family_of = LinkedReading(regions).families();
-  std::vector<Family> families(regions.size());
-  for (std::size_t i = 0; i < regions.size(); ++i) {
-    const FigureRegion& region = regions[i];
-    if (region.is_removed) continue;
-    Family& family = families[family_of[i]];
-    family.thickness = std::max(family.thickness, region.thickness);
-    family.length = std::max(family.length, region.area / (region.thickness * region.thickness));
-    family.area += region.area, family.wide += region.wide;
-  }
-  for (std::size_t i = 0; i < regions.size(); ++i)
-    regions[i].is_figure = !regions[i].is_removed && families[family_of[i]].is_figure();
-}
-
-/// Calls figures the regions of reading r that the figures of reading `of` share.
-void share_figures(FigureRegions& all, std::size_t of, std::size_t r) {
-  std::vector<int> inside(all.readings[r].regions.size(), 0);
-  for (std::size_t t = 0; t < all.labels.size(); ++t) {
-    const cv::Mat1i figures = region_numbers(all, of, t), numbers = region_numbers(all, r, t);
-    for (int y = 0; y < numbers.rows; ++y)
-      for (int x = 0; x < numbers.cols; ++x)
-        if (numbers(y, x) != 0 && figures(y, x) != 0 &&
-            all.readings[of].regions[static_cast<std::size_t>(figures(y, x) - 1)].is_figure)
-          ++inside[static_cast<std::size_t>(numbers(y, x) - 1)];
-  }
-  for (std::size_t i = 0; i < inside.size(); ++i) {
-    FigureRegion& region = all.readings[r].regions[i];
-    region.is_figure = !region.is_removed && inside[i] > kLeastFigure * region.area;
-  }
-}
-
 }  // namespace
 
-void link_figure_regions(FigureRegions& all, const FigureGround& ground, const core::Context& context) {
+void link_figure_regions(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines,
+                         const core::Context& context) {
   const std::size_t frames = all.labels.size();
   std::vector<std::array<Weights, kFigureReadings>> links(frames - 1);
   core::parallel_for(links.size(), context, [&](std::size_t t) {
@@ -206,12 +144,8 @@ void link_figure_regions(FigureRegions& all, const FigureGround& ground, const c
     for (const auto& gap : links) linked.add(gap[r]);
     linked.remove_unexplaining(frames, ground.view.size);
     context.check();
-    const std::size_t of = r - r % kFigureThresholds.size();
-    if (r == of)
-      find_figures(all.readings[r].regions);
-    else
-      share_figures(all, of, r);
   }
+  find_families(all, ground, lines);
 }
 
 }  // namespace emberfold::pipeline

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -10,6 +11,7 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
+#include "graph/motion_graph.hpp"
 #include "pipeline/figures/figure_ground.hpp"
 
 namespace emberfold::pipeline {
@@ -32,6 +34,8 @@ struct FigureRegion {
 
   /// Returns the width of a strip of this area and outline; half of the diameter of a disc.
   [[nodiscard]] double width() const { return 2. * area / std::max(1, rim); }
+  /// Returns the nats a pixel of outline by which two levels explain more than a plane does.
+  [[nodiscard]] double gain() const { return 0.5 * std::log(plane / figure); }
 };
 
 /// The regions of all frames for one polarity and one threshold of the amplitude.
@@ -67,8 +71,8 @@ FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround&
 cv::Mat1i region_numbers(const FigureRegions& all, std::size_t reading, std::size_t frame);
 
 /// Links the regions of neighbouring frames that overlap where motion takes them, removes those that do not
-/// explain the frames, and says which are figures. A figure is wider than a line (12 px),
-/// or small and compact, in some frame of those that links join.
-void link_figure_regions(FigureRegions& all, const FigureGround& ground, const core::Context& context);
+/// explain the frames, and says which are figures (find_families). `lines`: the clip's sketch.
+void link_figure_regions(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines,
+                         const core::Context& context);
 
 }  // namespace emberfold::pipeline

@@ -62,12 +62,13 @@ std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector
 
 }  // namespace
 
-Figures find_figures(core::FrameSource& source, const core::Context& context) {
+Figures find_figures(core::FrameSource& source, const graph::SketchSequence& lines,
+                     const core::Context& context) {
   const FigureView view = figure_view(source.info());
   if (std::min(view.size.width, view.size.height) < kLeastSide) return {};
   const FigureGround ground = measure_figure_ground(source, context);
   FigureRegions regions = find_figure_regions(source, ground, context);
-  link_figure_regions(regions, ground, context);
+  link_figure_regions(regions, ground, lines, context);
   const auto weighed = weigh_figure_changes(regions, ground, context);
   DrawnFigures drawn = draw_figures(source, regions, ground, context);
   auto events = events_of(drawn, weighed, ground.view);

@@ -20,10 +20,12 @@ struct Figures {
 /// Finds the figures of a clip, follows them in time, and reads off where they are born, die, split and
 /// merge. Frames are labelled by the amplitude of figures, −1 at the level of the ground to 1 at that of the
 /// figure, at three thresholds and for both polarities; regions are linked by motion. The probability of a
-/// change is the share of the thresholds that see it, where it can be followed (weigh_figure_changes). Reads
+/// change is the share of the thresholds that see it, where it can be followed (weigh_figure_changes). What
+/// `lines`, the clip's sketch, draw well are lines and no figures (find_families). Reads
 /// the clip three times. The same bytes at any number of threads. Holds no figures for frames of less than 32
 /// px. Throws core::Cancelled. O(pixels). See docs/method/figures.md.
-Figures find_figures(core::FrameSource& source, const core::Context& context = {});
+Figures find_figures(core::FrameSource& source, const graph::SketchSequence& lines,
+                     const core::Context& context = {});
 
 /// Returns the sketches without the lines that figures show: those whose flanks lie on an outline.
 graph::SketchSequence without_outlines(const graph::SketchSequence& lines,

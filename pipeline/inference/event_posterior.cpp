@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "graph/events/believed_graph.hpp"
 #include "graph/events/event_family.hpp"
-#include "graph/events/kept_identity.hpp"
 #include "graph/matching/skipped_patches.hpp"
 #include "mcmc/inference/change_posterior.hpp"
 
@@ -48,9 +48,9 @@ void weigh_by_samples(std::span<const graph::MotionGraph> samples, std::vector<g
     events[k].probability *= static_cast<double>(times[k]) / static_cast<double>(samples.size());
 }
 
-void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,
-                    double least_probability) {
-  graph::keep_identity(motion, all_events, least_probability);
+void settle_graph(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,
+                  std::span<const int> cuts, double least_probability) {
+  graph::keep_believed(motion, all_events, cuts, least_probability);
   graph::link_skipped_patches(motion);
 }
 

@@ -23,10 +23,10 @@ std::vector<graph::Event> event_posterior(core::FrameSource& source, const graph
 /// event of its family at most 2 frames and 10 px from it. `samples`: at least one. O(samples · events²).
 void weigh_by_samples(std::span<const graph::MotionGraph> samples, std::vector<graph::Event>& events);
 
-/// Makes the strokes of a matched clip agree with its weighed events: they keep their identity through all
-/// events of less than this probability (graph::keep_identity), and skipped patches are linked
-/// (graph::link_skipped_patches).
-void follow_strokes(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,
-                    double least_probability = kLikely);
+/// Makes the graph of a matched clip agree with its weighed events: it changes where events of this
+/// probability or more do (graph::keep_believed), and skipped patches are linked
+/// (graph::link_skipped_patches). `cuts`: of find_cuts.
+void settle_graph(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,
+                  std::span<const int> cuts, double least_probability);
 
 }  // namespace emberfold::pipeline

@@ -9,12 +9,13 @@
 
 namespace emberfold::pipeline {
 
-std::optional<graph::MotionGraph> read_kept_motion(const std::filesystem::path& run, bool weighs_strokes) {
+std::optional<graph::MotionGraph> read_kept_motion(const std::filesystem::path& run,
+                                                   std::optional<double> least_probability) {
   const auto key = io::read_column_key(run / "stages" / "motion");
   if (!key) return std::nullopt;
   auto found = AnalysisStages(run, {{}, *key, {}}).read_motion();
   if (!found) return std::nullopt;
-  if (weighs_strokes) follow_strokes(found->motion, found->all_events);
+  if (least_probability) settle_graph(found->motion, found->all_events, found->cuts, *least_probability);
   return std::move(found->motion);
 }
 

@@ -9,8 +9,9 @@
 namespace emberfold::pipeline {
 
 /// Reads the motion graph of a finished run, the one that analyze() returned, from its stored stages.
-/// Nothing where the folder has no such stage. `weighs_strokes`: its events were those of strokes, weighed by
-/// the images and not reviewed. O(patches).
-std::optional<graph::MotionGraph> read_kept_motion(const std::filesystem::path& run, bool weighs_strokes);
+/// Nothing where the folder has no such stage. `least_probability`: of its events, where they were those of
+/// strokes, weighed by the images and not reviewed. O(patches).
+std::optional<graph::MotionGraph> read_kept_motion(const std::filesystem::path& run,
+                                                   std::optional<double> least_probability);
 
 }  // namespace emberfold::pipeline

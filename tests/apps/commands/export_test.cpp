@@ -120,7 +120,7 @@ TEST_CASE("export makes the graphs of a run that left them out, from what its st
       return run_command(words).exit;
     };
     REQUIRE(analyze("--jsonl") == 0);
-    const auto motion = bytes_of(temp / "run/motion.jsonl"), sketch = bytes_of(temp / "run/sketch.jsonl");
+    const auto motion = bytes_of(temp / "run/motion.jsonl");
     REQUIRE(analyze("--no-jsonl") == 0);
     REQUIRE(
         run_command({"export", run, "--csv", "-q", "-o", (temp / "tables").string(), "--overwrite"}).exit ==
@@ -129,7 +129,6 @@ TEST_CASE("export makes the graphs of a run that left them out, from what its st
     CHECK(bytes_of(temp / "tables/trajectories.csv") == bytes_of(temp / "run/trajectories.csv"));
     REQUIRE(run_command({"export", run, "--jsonl", "-q"}).exit == 0);
     CHECK(bytes_of(temp / "run/motion.jsonl") == motion);
-    CHECK(bytes_of(temp / "run/sketch.jsonl") == sketch);
   }
   fs::remove(temp / "run/motion.jsonl");
   fs::remove_all(temp / "run/stages");

@@ -15,7 +15,7 @@ using graph::detail::IndexLinks;
 namespace {
 
 /// Curves of so many vertices each, numbered on.
-std::vector<graph::Curve> rows_of(const std::vector<std::uint32_t>& sizes) {
+std::vector<graph::Curve> rows_of_pairs(const std::vector<std::uint32_t>& sizes) {
   std::vector<graph::Curve> result;
   std::uint32_t next = 0;
   for (const std::uint32_t size : sizes) {
@@ -35,7 +35,7 @@ IndexLinks aligned(const std::vector<graph::Curve>& before, const std::vector<gr
 }  // namespace
 
 TEST_CASE("Curves are aligned in order, either way round", "[graph][alignment]") {
-  const auto a = rows_of({4}), b = rows_of({4});
+  const auto a = rows_of_pairs({4}), b = rows_of_pairs({4});
   CHECK(aligned(a, b, {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}, {3, 3, 1}}) ==
         IndexLinks{{0, 0}, {1, 1}, {2, 2}, {3, 3}});
   CHECK(aligned(a, b, {{0, 3, 1}, {1, 2, 1}, {2, 1, 1}, {3, 0, 1}}) ==
@@ -43,7 +43,7 @@ TEST_CASE("Curves are aligned in order, either way round", "[graph][alignment]")
 }
 
 TEST_CASE("A skipped point costs half a nat, on either curve", "[graph][alignment]") {
-  const auto a = rows_of({5}), b = rows_of({5});
+  const auto a = rows_of_pairs({5}), b = rows_of_pairs({5});
   const auto found = [&](std::vector<Candidate> candidates) {
     // Only columns between candidates of a row are looked at: some of no gain let all be.
     for (std::uint32_t i = 0; i < 5; ++i) candidates.insert(candidates.end(), {{i, 0, 0}, {i, 4, 0}});
@@ -59,14 +59,14 @@ TEST_CASE("A skipped point costs half a nat, on either curve", "[graph][alignmen
 }
 
 TEST_CASE("A single link joins two curves only where one of them is a single point", "[graph][alignment]") {
-  CHECK(aligned(rows_of({3}), rows_of({3}), {{1, 1, 4}}).empty());
-  CHECK(aligned(rows_of({1}), rows_of({3}), {{0, 1, 4}}) == IndexLinks{{0, 1}});
-  CHECK(aligned(rows_of({3}), rows_of({1}), {{2, 0, 4}}) == IndexLinks{{2, 0}});
+  CHECK(aligned(rows_of_pairs({3}), rows_of_pairs({3}), {{1, 1, 4}}).empty());
+  CHECK(aligned(rows_of_pairs({1}), rows_of_pairs({3}), {{0, 1, 4}}) == IndexLinks{{0, 1}});
+  CHECK(aligned(rows_of_pairs({3}), rows_of_pairs({1}), {{2, 0, 4}}) == IndexLinks{{2, 0}});
 }
 
 TEST_CASE("The pair of curves of the greatest gain comes first, what is left goes to others",
           "[graph][alignment]") {
-  const auto a = rows_of({4}), b = rows_of({3, 2});
+  const auto a = rows_of_pairs({4}), b = rows_of_pairs({3, 2});
   const std::vector<Candidate> candidates{{0, 0, 1}, {1, 1, 1}, {2, 2, 1}, {2, 3, 1.2}, {3, 4, 1.2}};
   CHECK(aligned(a, b, candidates) == IndexLinks{{0, 0}, {1, 1}, {2, 2}});
   auto stronger = candidates;

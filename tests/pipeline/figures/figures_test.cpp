@@ -13,6 +13,7 @@
 #include "core/clip/masked_source.hpp"
 #include "core/parallel.hpp"
 #include "pipeline/figures/figure_ground.hpp"
+#include "pipeline/sketch_clip.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/sketch_scene.hpp"
 
@@ -40,9 +41,13 @@ core::Clip film(const Scene& level, cv::Size size = {kWidth, kHeight}) {
   return clip;
 }
 
+pipeline::Figures figures_of(core::FrameSource& source) {
+  const auto lines = pipeline::sketch_clip(source, pipeline::kFollowedSketch, {}).sketch;
+  return pipeline::find_figures(source, lines);
+}
 pipeline::Figures figures_of(const core::Clip& clip) {
   core::ClipSource source(clip);
-  return pipeline::find_figures(source);
+  return figures_of(source);
 }
 
 /// 1 inside a disc, 0 outside, with an edge blurred by 1.5 px.
@@ -266,12 +271,38 @@ TEST_CASE("figures count inside the mask, and do not die at its border") {
                   true);
   });
   LeftHalf source(clip);
-  const auto figures = pipeline::find_figures(source);
+  const auto figures = figures_of(source);
   CHECK(believed(figures).empty());
   CHECK(graph::components(figures.motion.sketch.frames.front()).count == 2);
   CHECK(graph::components(figures.motion.sketch.frames.back()).count == 1);
   for (const auto& graph : figures.motion.sketch.frames)
     for (const graph::Vertex& vertex : graph.vertices()) CHECK(vertex.patch.position.x < 0.5 * kWidth + 2);
+}
+
+TEST_CASE("cells between lines are no figures, and shapes as thin that no line draws are") {
+  // A grid of lines 30 px apart, and the same shapes with sharp edges.
+  const auto from_grid = [](Point p) {
+    const auto off = [](double x) { return std::abs(std::remainder(x - 20, 30)); };
+    return std::min(off(p.x), off(p.y));
+  };
+  for (const bool bright : {true, false}) {
+    const auto lines = film([&](Point p, int) {
+      const double d = from_grid(p);
+      return levels(std::exp(-d * d / 8), bright);
+    });
+    CHECK(figures_of(lines).motion.sketch.frames.front().empty());
+    const auto bars = film([&](Point p, int t) {
+      const double d = std::max(std::abs(p.y - 60) - 3.5, std::abs(p.x - 80) - (t < 20 ? 40 : 60));
+      return levels(reached(-d, 0.7), bright);
+    });
+    core::ClipSource source(bars);
+    const auto drawn = pipeline::sketch_clip(source, pipeline::kFollowedSketch, {}).sketch;
+    graph::SketchSequence none{drawn.width, drawn.height, drawn.fps, {}};
+    for (int t = 0; t < kFrames; ++t) none.append({});
+    CHECK(pipeline::find_figures(source, drawn).motion.sketch.frames.front().empty());
+    const auto undrawn = pipeline::find_figures(source, none).motion.sketch;
+    for (const auto& frame : undrawn.frames) CHECK(graph::components(frame).count == 1);
+  }
 }
 
 TEST_CASE("figures are the same bytes at any number of threads") {

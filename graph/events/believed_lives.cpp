@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "graph/events/believed_lives.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace emberfold::graph::detail {
+
+namespace {
+
+constexpr double kThing = 20;    // patches, about 100 px
+constexpr double kBorder = 5;    // px: nearer to the picture's border, a stroke goes out through it
+constexpr double kStands = 0.2;  // px a frame: below, a stroke stands, and goes nowhere
+
+std::map<SubgraphId, Life> lives_of(const SketchSequence& sketch) {
+  struct Shape {
+    std::size_t patches = 0;
+    bool has_tip = false;
+  };
+  std::map<SubgraphId, Life> lives;
+  for (std::size_t t = 0; t < sketch.frames.size(); ++t) {
+    const AttributeGraph& graph = sketch.frames[t];
+    std::map<SubgraphId, Shape> shapes;
+    for (std::uint32_t v = 0; v < graph.size(); ++v) {
+      Shape& shape = shapes[graph.vertices()[v].subgraph];
+      ++shape.patches;
+      shape.has_tip |= graph.degree(v) < 2;
+    }
+    for (const auto& [stroke, shape] : shapes) {
+      Life& life = lives.try_emplace(stroke, Life{.first = t}).first->second;
+      life.last = t;
+      ++life.frames, life.patches += shape.patches;
+      if (!shape.has_tip) ++life.closed;
+    }
+  }
+  return lives;
+}
+
+/// Returns whether a stroke of a frame, going on as it came from another one (one before or after), would be
+/// at the picture's border or outside.
+bool passes_border(const MotionGraph& motion, SubgraphId stroke, std::size_t frame, std::size_t other) {
+  const Point way = mean_motion(motion, stroke, other, frame);
+  if (norm(way) < kStands) return false;
+  return std::ranges::all_of(motion.sketch.frames[frame].vertices(), [&](const Vertex& v) {
+    const Point p = v.patch.position + way;
+    return v.subgraph != stroke ||
+           std::min({p.x, p.y, motion.sketch.width - 1 - p.x, motion.sketch.height - 1 - p.y}) < kBorder;
+  });
+}
+
+}  // namespace
+
+bool Life::is_thing() const {
+  return 2 * closed > frames && static_cast<double>(patches) > kThing * static_cast<double>(frames);
+}
+
+bool names(std::span<const SubgraphId> strokes, SubgraphId stroke) {
+  return std::ranges::find(strokes, stroke) != strokes.end();
+}
+
+Believed believed_events(std::span<const Event> events, double least, std::size_t frames) {
+  Believed believed(frames + 1);
+  for (const Event& event : events)
+    if (event.probability >= least) believed[static_cast<std::size_t>(event.frame)].push_back(&event);
+  return believed;
+}
+
+Point mean_motion(const MotionGraph& motion, SubgraphId stroke, std::size_t from, std::size_t to) {
+  if (from == to) return {};
+  const AttributeGraph &a = motion.sketch.frames[from], &b = motion.sketch.frames[to];
+  Point sum;
+  double links = 0;
+  for (const Link& link : motion.links[std::max(from, to)]) {
+    const Vertex &p = a.vertices()[a.index_of(from < to ? link.before : link.after)],
+                 &q = b.vertices()[b.index_of(from < to ? link.after : link.before)];
+    if (p.subgraph != stroke || q.subgraph != stroke) continue;
+    sum = sum + (q.patch.position - p.patch.position);
+    ++links;
+  }
+  return links > 0 ? sum * (1 / links) : Point{};
+}
+
+std::map<SubgraphId, Life> believed_lives(const MotionGraph& motion, const Believed& believed,
+                                          std::span<const int> cuts) {
+  const std::size_t frames = motion.sketch.frames.size();
+  // Whether what changes between this frame and the one before it begins or ends with the picture.
+  const auto is_cut = [&](std::size_t frame) {
+    return frame == 0 || frame == frames ||
+           std::ranges::any_of(cuts, [&](int cut) { return std::abs(static_cast<int>(frame) - cut) <= 1; });
+  };
+  const auto is_named = [](const std::vector<const Event*>& events, auto side, SubgraphId stroke) {
+    return std::ranges::any_of(events, [&](const Event* event) { return names(event->*side, stroke); });
+  };
+  auto lives = lives_of(motion.sketch);
+  for (auto& [stroke, life] : lives) {
+    const std::size_t next = life.first + (life.last > life.first),
+                      previous = life.last - (life.last > life.first);
+    life.begins = is_named(believed[life.first], &Event::after, stroke);
+    life.ends = is_named(believed[life.last + 1], &Event::before, stroke);
+    life.comes_in = is_cut(life.first) || passes_border(motion, stroke, life.first, next);
+    life.goes_out = is_cut(life.last + 1) || passes_border(motion, stroke, life.last, previous);
+  }
+  return lives;
+}
+
+}  // namespace emberfold::graph::detail

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/figures/figure_families.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <boost/pending/disjoint_sets.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace emberfold::pipeline {
+
+namespace {
+
+// A figure is wider than a line, somewhere and in most places, or no longer than wide.
+constexpr double kLeastThickness = 12;  // px
+constexpr double kLeastWide = 0.5;      // of a family's area
+constexpr double kLongest = 2.5;        // squares of its thickness
+// Lines that made scenes hold are drawn to .97 and more of their area, nearly binary networks to .58 to .69.
+constexpr double kOnLine = 4;        // px from a drawn line
+constexpr double kMostDrawn = 0.75;  // of a family's area
+constexpr double kSharpEdges = 1.2;  // nats a pixel, of a family's outline
+// Cells of a grid of lines are dark figures of .9 nats a pixel between bright lines of 2.7.
+constexpr int kAlongside = 3;            // px from a figure's outline to a line's region
+constexpr double kLeastAlong = 0.3;      // of a family's outline
+constexpr double kLeastFigure = 1. / 6;  // of a region, in a figure of threshold 0
+
+/// What all regions that links join have together.
+struct Family {
+  double thickness = 0, length = 0, area = 0, wide = 0;
+  double rim = 0, nats = 0;  ///< pixels of outline, and what they explain
+  double drawn = 0;          ///< pixels near drawn lines
+  double outline = 0;        ///< pixels of outline away from the border
+  double along_lines = 0;    ///< of these, near lines that explain more
+
+  [[nodiscard]] double gain() const { return rim > 0 ? nats / rim : 0; }
+  /// Returns whether it is wider than a line, somewhere and in most places, or no longer than wide.
+  [[nodiscard]] bool is_wide() const {
+    return thickness >= kLeastThickness ? wide >= kLeastWide * area
+                                        : thickness >= kWideDisc && length < kLongest;
+  }
+  [[nodiscard]] bool is_undrawn() const { return gain() >= kSharpEdges && drawn < kMostDrawn * area; }
+  [[nodiscard]] bool is_ground() const { return along_lines > kLeastAlong * outline; }
+};
+
+/// The families of one reading.
+struct Families {
+  std::vector<std::size_t> of_region;  ///< the region that stands for the family of each
+  std::vector<Family> of;              ///< by that region
+};
+
+/// Returns one region of those that links join, directly or not, for each region.
+std::vector<std::size_t> joined_by_links(const std::vector<FigureRegion>& regions) {
+  std::vector<std::size_t> rank(regions.size()), parent(regions.size());
+  boost::disjoint_sets sets(rank.data(), parent.data());
+  for (std::size_t i = 0; i < regions.size(); ++i) sets.make_set(i);
+  for (std::size_t i = 0; i < regions.size(); ++i)
+    for (const std::size_t j : regions[i].next) sets.union_set(i, j);
+  std::vector<std::size_t> family;
+  for (std::size_t i = 0; i < regions.size(); ++i) family.push_back(sets.find_set(i));
+  return family;
+}
+
+Families gather_families(const std::vector<FigureRegion>& regions) {
+  Families families{joined_by_links(regions), std::vector<Family>(regions.size())};
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const FigureRegion& region = regions[i];
+    if (region.is_removed) continue;
+    Family& family = families.of[families.of_region[i]];
+    family.thickness = std::max(family.thickness, region.thickness);
+    family.length = std::max(family.length, region.area / (region.thickness * region.thickness));
+    family.area += region.area, family.wide += region.wide;
+    family.rim += region.rim, family.nats += region.rim * region.gain();
+  }
+  return families;
+}
+
+/// Returns the distance from the lines that are drawn in a frame, in pixels of the view.
+cv::Mat1f distance_from_lines(const graph::AttributeGraph& lines, const FigureView& view) {
+  cv::Mat1b away(view.size, std::uint8_t{255});
+  const auto pixel = [&](graph::VertexId id) {
+    const graph::Point p = view.in_view(lines.patch(lines.index_of(id)).position);
+    return cv::Point(cvRound(p.x), cvRound(p.y));
+  };
+  for (const graph::Edge& edge : lines.edges()) cv::line(away, pixel(edge.a), pixel(edge.b), 0);
+  cv::Mat1f distance;
+  cv::distanceTransform(away, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  return distance;
+}
+
+void count_drawn(const cv::Mat1i& numbers, const cv::Mat1f& from_lines, Families& families) {
+  for (int y = 0; y < numbers.rows; ++y)
+    for (int x = 0; x < numbers.cols; ++x)
+      if (numbers(y, x) != 0 && from_lines(y, x) <= kOnLine)
+        ++families.of[families.of_region[static_cast<std::size_t>(numbers(y, x) - 1)]].drawn;
+}
+
+/// Counts the pixels of outlines near lines of the other polarity, those that are not wide, which explain
+/// more.
+void count_along_lines(const cv::Mat1i& numbers, const cv::Mat1i& other_numbers, const Families& others,
+                       const cv::Mat1b& inner, Families& families) {
+  static const cv::Mat near =
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kAlongside + 1, 2 * kAlongside + 1});
+  cv::Mat1f explained(numbers.size(), 0.F);
+  for (int y = 0; y < numbers.rows; ++y)
+    for (int x = 0; x < numbers.cols; ++x) {
+      if (other_numbers(y, x) == 0) continue;
+      const Family& other = others.of[others.of_region[static_cast<std::size_t>(other_numbers(y, x) - 1)]];
+      if (!other.is_wide()) explained(y, x) = static_cast<float>(other.gain());
+    }
+  cv::dilate(explained, explained, near);
+  for (int y = 1; y + 1 < numbers.rows; ++y)
+    for (int x = 1; x + 1 < numbers.cols; ++x) {
+      const int n = numbers(y, x);
+      if (n == 0 || inner(y, x) == 0 ||
+          (numbers(y, x - 1) == n && numbers(y, x + 1) == n && numbers(y - 1, x) == n &&
+           numbers(y + 1, x) == n))
+        continue;
+      Family& family = families.of[families.of_region[static_cast<std::size_t>(n - 1)]];
+      ++family.outline;
+      if (explained(y, x) > family.gain()) ++family.along_lines;
+    }
+}
+
+/// Calls figures the regions of reading r that the figures of reading `of` share.
+void share_figures(FigureRegions& all, std::size_t of, std::size_t r) {
+  std::vector<int> inside(all.readings[r].regions.size(), 0);
+  for (std::size_t t = 0; t < all.labels.size(); ++t) {
+    const cv::Mat1i figures = region_numbers(all, of, t), numbers = region_numbers(all, r, t);
+    for (int y = 0; y < numbers.rows; ++y)
+      for (int x = 0; x < numbers.cols; ++x)
+        if (numbers(y, x) != 0 && figures(y, x) != 0 &&
+            all.readings[of].regions[static_cast<std::size_t>(figures(y, x) - 1)].is_figure)
+          ++inside[static_cast<std::size_t>(numbers(y, x) - 1)];
+  }
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    FigureRegion& region = all.readings[r].regions[i];
+    region.is_figure = !region.is_removed && inside[i] > kLeastFigure * region.area;
+  }
+}
+
+}  // namespace
+
+void find_families(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines) {
+  constexpr std::array<std::size_t, 2> kFirst = {0, kFigureThresholds.size()};  // readings of threshold 0
+  std::array<Families, 2> families = {gather_families(all.readings[kFirst[0]].regions),
+                                      gather_families(all.readings[kFirst[1]].regions)};
+  for (std::size_t t = 0; t < all.labels.size(); ++t) {
+    const std::array<cv::Mat1i, 2> numbers = {region_numbers(all, kFirst[0], t),
+                                              region_numbers(all, kFirst[1], t)};
+    const cv::Mat1f from_lines = distance_from_lines(lines.frames[t], ground.view);
+    const cv::Mat1b inner = inner_part(ground, t);
+    for (const std::size_t p : {0, 1}) {
+      count_drawn(numbers[p], from_lines, families[p]);
+      count_along_lines(numbers[p], numbers[1 - p], families[1 - p], inner, families[p]);
+    }
+  }
+  for (const std::size_t p : {0, 1}) {
+    auto& regions = all.readings[kFirst[p]].regions;
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+      const Family& family = families[p].of[families[p].of_region[i]];
+      regions[i].is_figure =
+          !regions[i].is_removed && (family.is_wide() || family.is_undrawn()) && !family.is_ground();
+    }
+    for (std::size_t r = kFirst[p] + 1; r < kFirst[p] + kFigureThresholds.size(); ++r)
+      share_figures(all, kFirst[p], r);
+  }
+}
+
+}  // namespace emberfold::pipeline
