@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "core/error.hpp"
@@ -164,6 +165,17 @@ StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sket
   return sketches;
 }
 
+/// Leaves out the joints of curves that their frame does not have.
+void remove_lost_joints(const graph::SketchSequence& sketch, std::vector<graph::CurveJoint>& joints) {
+  std::vector<std::set<graph::CurveId>> there(sketch.frames.size());
+  for (std::size_t t = 0; t < there.size(); ++t)
+    for (const graph::Vertex& vertex : sketch.frames[t].vertices()) there[t].insert(vertex.curve);
+  std::erase_if(joints, [&](const graph::CurveJoint& joint) {
+    const auto& curves = there[static_cast<std::size_t>(joint.frame)];
+    return !curves.contains(joint.a) || !curves.contains(joint.b);
+  });
+}
+
 /// Chooses the events to report and, where they are weighed, makes the motion graph agree with them.
 void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
   const auto reported = [&] {
@@ -174,8 +186,10 @@ void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
   };
   analysis.contacts = graph::event_contacts(
       options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, reported());
-  if (!options.bottom_up && !options.curve_events)
+  if (!options.bottom_up && !options.curve_events) {
     settle_graph(analysis.motion, analysis.all_events, analysis.cuts, options.least_probability);
+    remove_lost_joints(analysis.motion.sketch, analysis.joints);
+  }
   analysis.events = reported();
 }
 

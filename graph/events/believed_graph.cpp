@@ -113,6 +113,18 @@ std::vector<Link> believed_links(const AttributeGraph& before, const AttributeGr
   return kept;
 }
 
+/// Takes the strokes that are left out from the events.
+void name_those_that_are_there(const MotionGraph& motion, std::vector<Event>& events) {
+  std::vector<std::set<SubgraphId>> there(motion.sketch.frames.size());
+  for (std::size_t t = 0; t < there.size(); ++t)
+    for (const Vertex& vertex : motion.sketch.frames[t].vertices()) there[t].insert(vertex.subgraph);
+  for (Event& event : events) {
+    const auto t = static_cast<std::size_t>(event.frame);
+    std::erase_if(event.before, [&](SubgraphId stroke) { return !there[t - 1].contains(stroke); });
+    std::erase_if(event.after, [&](SubgraphId stroke) { return !there[t].contains(stroke); });
+  }
+}
+
 }  // namespace
 
 void keep_believed(MotionGraph& motion, std::vector<Event>& events, std::span<const int> cuts,
@@ -132,6 +144,7 @@ void keep_believed(MotionGraph& motion, std::vector<Event>& events, std::span<co
     frames[t] = join_pieces(separate_strokes(frames[t], left_out), things);
     if (t > 0) motion.links[t] = believed_links(frames[t - 1], frames[t], motion.links[t], of_frame[t]);
   }
+  name_those_that_are_there(motion, events);
 }
 
 }  // namespace emberfold::graph

@@ -16,8 +16,8 @@ namespace emberfold::graph {
 /// whatever became of it. What comes in or goes out through the picture's border, at a cut (within one frame
 /// of `cuts`), or with the clip neither is born nor dies. Links join patches of one stroke, or of strokes
 /// that a believed event joins. `believed`: least probability. `events` name strokes of `motion`, which has
-/// its strokes identified, and name those of the result afterwards. O(n log n) in vertices and links, and the
-/// squares of the patches of strokes in pieces.
+/// its strokes identified, and name those of the result afterwards, if they are there. O(n log n) in vertices
+/// and links, and the squares of the patches of strokes in pieces.
 void keep_believed(MotionGraph& motion, std::vector<Event>& events, std::span<const int> cuts,
                    double believed);
 
