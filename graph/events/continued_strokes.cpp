@@ -92,7 +92,8 @@ class Additions {
       : motion_(motion),
         vertices_(motion.sketch.frames.size()),
         edges_(vertices_.size()),
-        links_(vertices_.size()) {}
+        links_(vertices_.size()),
+        unlinked_(vertices_.size()) {}
 
   /// Copies a stroke of frame `from` into frame `to`, moved by `way`; returns its vertices' indices there.
   std::vector<std::uint32_t> copy(std::size_t from, std::span<const std::uint32_t> stroke, std::size_t to,
@@ -111,6 +112,12 @@ class Additions {
           edges_[to].push_back({copies[k], copies[static_cast<std::size_t>(at - stroke.begin())]});
       }
     return copies;
+  }
+  /// Removes the links from patches of the frame before, and those to patches of this frame.
+  void unlink(std::size_t frame, std::span<const std::uint32_t> before,
+              std::span<const std::uint32_t> after) {
+    for (const std::uint32_t i : before) unlinked_[frame].first.insert(i);
+    for (const std::uint32_t j : after) unlinked_[frame].second.insert(j);
   }
   void link(std::size_t frame, std::uint32_t before, std::uint32_t after) {
     links_[frame].push_back({before, after});
@@ -151,7 +158,11 @@ class Additions {
     const auto add = [&](std::size_t i, std::size_t j) {
       result.push_back({before.vertices()[i].id, after.vertices()[j].id});
     };
-    for (const Link& link : motion_.links[t]) add(a.index_of(link.before), b.index_of(link.after));
+    for (const Link& link : motion_.links[t]) {
+      const auto i = static_cast<std::uint32_t>(a.index_of(link.before)),
+                 j = static_cast<std::uint32_t>(b.index_of(link.after));
+      if (!unlinked_[t].first.contains(i) && !unlinked_[t].second.contains(j)) add(i, j);
+    }
     for (const auto& [i, j] : links_[t]) add(i, j);
     std::ranges::sort(result);
     return result;
@@ -160,6 +171,7 @@ class Additions {
   const MotionGraph& motion_;
   std::vector<std::vector<Vertex>> vertices_;
   std::vector<Pairs> edges_, links_;  // of each frame
+  std::vector<std::pair<std::set<std::uint32_t>, std::set<std::uint32_t>>> unlinked_;
 };
 
 /// Fills a gap: the ending stroke moves on up to the middle, from there on the beginning one does.
@@ -171,6 +183,9 @@ void close(const MotionGraph& motion, const Gap& gap, Additions& additions) {
   way = way * (1 / static_cast<double>(gap.counterparts.size()));
   const auto length = static_cast<double>(gap.to - gap.from);
   const std::size_t middle = (gap.from + gap.to) / 2;
+  // What leads elsewhere from the end, or from elsewhere to the beginning, is not believed.
+  additions.unlink(gap.from + 1, gap.last, {});
+  additions.unlink(gap.to, {}, gap.first);
   std::vector<std::uint32_t> last = gap.last, first = gap.first;
   for (std::size_t t = gap.from + 1; t <= middle; ++t) {
     auto next = additions.copy(gap.from, gap.last, t, way * (static_cast<double>(t - gap.from) / length));
