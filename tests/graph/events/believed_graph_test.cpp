@@ -74,7 +74,8 @@ graph::MotionGraph neighbours(std::uint64_t seed) {
     std::vector<std::uint32_t> index(kAll, kAll);
     for (std::uint32_t v = 0; v < kAll; ++v) {
       if (rng.uniform() < 0.2) continue;
-      index[v] = frame.line({{100 + 5.0 * (v % kPatches), 100 + 6.0 * (v / kPatches)}});
+      const std::uint32_t row = v / kPatches;
+      index[v] = frame.line({{100 + 5.0 * (v % kPatches), 100 + 6.0 * row}});
       for (const std::uint32_t w : {v - 1, v - kPatches})
         if (w < v && index[w] < kAll && rng.uniform() < (w == v - 1 ? 0.9 : 0.05))
           frame.edge(index[w], index[v]);
