@@ -185,6 +185,13 @@ AttributeGraph without_anchors(const AttributeGraph& graph) {
   return {std::move(strokes), {graph.edges().begin(), graph.edges().end()}, graph.memory()};
 }
 
+std::vector<std::uint32_t> vertices_of(const AttributeGraph& graph, SubgraphId stroke) {
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t v = 0; v < graph.size(); ++v)
+    if (graph.vertices()[v].subgraph == stroke) result.push_back(v);
+  return result;
+}
+
 AttributeGraph induced_subgraph(const AttributeGraph& graph, const std::vector<bool>& stays) {
   std::vector<Vertex> vertices;
   std::vector<Edge> edges;

@@ -109,6 +109,9 @@ class AttributeGraph {
 /// or measures strokes in graphs that may hold anchors begins with this. O(n).
 AttributeGraph without_anchors(const AttributeGraph& graph);
 
+/// Returns the vertices of a stroke, by index, ascending. O(n).
+std::vector<std::uint32_t> vertices_of(const AttributeGraph& graph, SubgraphId stroke);
+
 /// Returns the induced subgraph: the vertices that stay, by index, and the edges between them. O(n log n).
 AttributeGraph induced_subgraph(const AttributeGraph& graph, const std::vector<bool>& stays);
 

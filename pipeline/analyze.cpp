@@ -214,18 +214,18 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
   } else {
     clock.begin("carry");
     analysis.cuts = find_cuts(source, context.with_progress({}));
-    StartSketches lasting = with_lasting_patches(source, sketches, context);
+    StartSketches filled = with_lasting_patches(source, sketches, context);
     Figures figures;
     if (options.figures && !options.bottom_up && !options.curve_events && !options.sample) {
       clock.begin("figures");
-      figures = find_figures(source, lasting.clip.sketch, context);
+      figures = find_figures(source, filled.clip.sketch, context);
     }
     if (holds_figures(figures)) {
-      lasting.clip.sketch = without_outlines(lasting.clip.sketch, figures.motion.sketch);
-      for (graph::SketchSequence& copy : lasting.perturbed)
+      filled.clip.sketch = without_outlines(filled.clip.sketch, figures.motion.sketch);
+      for (graph::SketchSequence& copy : filled.perturbed)
         copy = without_outlines(copy, figures.motion.sketch);
     }
-    infer_motion(source, lasting, std::move(figures), options, analysis, fitted, clock, context);
+    infer_motion(source, filled, std::move(figures), options, analysis, fitted, clock, context);
     if (!options.bottom_up) disbelieve_cuts(analysis.all_events, analysis.cuts);
     if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events, analysis.cuts});
   }

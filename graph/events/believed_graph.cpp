@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "graph/curves/curve_strokes.hpp"
 #include "graph/events/believed_lives.hpp"
 #include "graph/events/continued_strokes.hpp"
 #include "graph/events/kept_identity.hpp"
@@ -89,12 +90,7 @@ AttributeGraph separate_strokes(const AttributeGraph& graph, const std::set<Subg
   std::vector<bool> stays(graph.size());
   for (std::uint32_t v = 0; v < graph.size(); ++v)
     stays[v] = !left_out.contains(graph.vertices()[v].subgraph);
-  const AttributeGraph rest = induced_subgraph(graph, stays);
-  std::vector<Edge> edges;
-  for (const Edge& edge : rest.edges())
-    if (rest.vertices()[rest.index_of(edge.a)].subgraph == rest.vertices()[rest.index_of(edge.b)].subgraph)
-      edges.push_back(edge);
-  return {{rest.vertices().begin(), rest.vertices().end()}, std::move(edges), graph.memory()};
+  return without_touches(induced_subgraph(graph, stays));
 }
 
 /// Returns the links that stay between two edited frames.
@@ -114,7 +110,7 @@ std::vector<Link> believed_links(const AttributeGraph& before, const AttributeGr
 }
 
 /// Takes the strokes that are left out from the events.
-void name_those_that_are_there(const MotionGraph& motion, std::vector<Event>& events) {
+void remove_absent_strokes(const MotionGraph& motion, std::vector<Event>& events) {
   std::vector<std::set<SubgraphId>> there(motion.sketch.frames.size());
   for (std::size_t t = 0; t < there.size(); ++t)
     for (const Vertex& vertex : motion.sketch.frames[t].vertices()) there[t].insert(vertex.subgraph);
@@ -144,7 +140,7 @@ void keep_believed(MotionGraph& motion, std::vector<Event>& events, std::span<co
     frames[t] = join_pieces(separate_strokes(frames[t], left_out), things);
     if (t > 0) motion.links[t] = believed_links(frames[t - 1], frames[t], motion.links[t], of_frame[t]);
   }
-  name_those_that_are_there(motion, events);
+  remove_absent_strokes(motion, events);
 }
 
 }  // namespace emberfold::graph

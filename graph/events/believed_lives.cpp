@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "graph/matching/frame_links.hpp"
+
 namespace emberfold::graph::detail {
 
 namespace {
@@ -39,7 +41,7 @@ std::map<SubgraphId, Life> lives_of(const SketchSequence& sketch) {
 /// Returns whether a stroke of a frame, going on as it came from another one (one before or after), would be
 /// at the picture's border or outside.
 bool passes_border(const MotionGraph& motion, SubgraphId stroke, std::size_t frame, std::size_t other) {
-  const Point way = mean_motion(motion, stroke, other, frame);
+  const Point way = mean_displacement(motion, stroke, other, frame);
   if (norm(way) < kStands) return false;
   return std::ranges::all_of(motion.sketch.frames[frame].vertices(), [&](const Vertex& v) {
     const Point p = v.patch.position + way;
@@ -63,21 +65,6 @@ Believed believed_events(std::span<const Event> events, double least, std::size_
   for (const Event& event : events)
     if (event.probability >= least) believed[static_cast<std::size_t>(event.frame)].push_back(&event);
   return believed;
-}
-
-Point mean_motion(const MotionGraph& motion, SubgraphId stroke, std::size_t from, std::size_t to) {
-  if (from == to) return {};
-  const AttributeGraph &a = motion.sketch.frames[from], &b = motion.sketch.frames[to];
-  Point sum;
-  double links = 0;
-  for (const Link& link : motion.links[std::max(from, to)]) {
-    const Vertex &p = a.vertices()[a.index_of(from < to ? link.before : link.after)],
-                 &q = b.vertices()[b.index_of(from < to ? link.after : link.before)];
-    if (p.subgraph != stroke || q.subgraph != stroke) continue;
-    sum = sum + (q.patch.position - p.patch.position);
-    ++links;
-  }
-  return links > 0 ? sum * (1 / links) : Point{};
 }
 
 std::map<SubgraphId, Life> believed_lives(const MotionGraph& motion, const Believed& believed,

@@ -30,10 +30,6 @@ Believed believed_events(std::span<const Event> events, double least, std::size_
 std::map<SubgraphId, Life> believed_lives(const MotionGraph& motion, const Believed& believed,
                                           std::span<const int> cuts);
 
-/// Returns the mean displacement of a stroke from one frame to a neighbouring one, over its links, px;
-/// none to the same frame.
-Point mean_motion(const MotionGraph& motion, SubgraphId stroke, std::size_t from, std::size_t to);
-
 /// Returns whether a stroke is in a list.
 bool names(std::span<const SubgraphId> strokes, SubgraphId stroke);
 

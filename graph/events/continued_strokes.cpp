@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "graph/matching/frame_links.hpp"
+
 namespace emberfold::graph::detail {
 
 namespace {
@@ -17,13 +19,6 @@ constexpr double kSameDirection = std::numbers::pi / 6;  // between counterparts
 constexpr double kLeastShare = 0.5;  // of the smaller one's patches that have a counterpart
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
-std::vector<std::uint32_t> patches_of(const AttributeGraph& graph, SubgraphId stroke) {
-  std::vector<std::uint32_t> patches;
-  for (std::uint32_t v = 0; v < graph.size(); ++v)
-    if (graph.vertices()[v].subgraph == stroke) patches.push_back(v);
-  return patches;
-}
 
 /// An end and a beginning of strokes, in their frames.
 struct Gap {
@@ -61,17 +56,17 @@ std::vector<Gap> find_gaps(const MotionGraph& motion, const std::map<SubgraphId,
   std::vector<Gap> gaps;
   for (const auto& [stroke, life] : lives) {
     if (life.ends || life.goes_out) continue;
-    const Point goes = mean_motion(motion, stroke, life.last - (life.last > life.first), life.last);
+    const Point goes = mean_displacement(motion, stroke, life.last - (life.last > life.first), life.last);
     const AttributeGraph& before = motion.sketch.frames[life.last];
-    const auto patches = patches_of(before, stroke);
+    const auto patches = vertices_of(before, stroke);
     const auto until = beginnings.upper_bound(life.last + (life.is_thing() ? 1 : kLongestGap));
     for (auto next = beginnings.upper_bound(life.last); next != until; ++next) {
       const Life& other = lives.at(next->second);
       if (other.is_thing() && other.first > life.last + 1) continue;
       const AttributeGraph& after = motion.sketch.frames[other.first];
-      Gap gap{stroke, next->second, life.last, other.first, patches, patches_of(after, next->second), {}, 0};
+      Gap gap{stroke, next->second, life.last, other.first, patches, vertices_of(after, next->second), {}, 0};
       const Point comes =
-          mean_motion(motion, next->second, other.first, other.first + (other.last > other.first));
+          mean_displacement(motion, next->second, other.first, other.first + (other.last > other.first));
       const Point way = (goes + comes) * (0.5 * static_cast<double>(gap.to - gap.from));
       gap.counterparts = counterparts(before, after, gap, way);
       gap.share = static_cast<double>(gap.counterparts.size()) /

@@ -49,13 +49,6 @@ void spread_names(const AttributeGraph& graph, Names& names, std::uint32_t& last
 /// Patches of one frame, ascending.
 using Patches = std::vector<std::uint32_t>;
 
-Patches patches_of(const AttributeGraph& graph, SubgraphId stroke) {
-  Patches patches;
-  for (std::uint32_t v = 0; v < graph.size(); ++v)
-    if (graph.vertices()[v].subgraph == stroke) patches.push_back(v);
-  return patches;
-}
-
 /// The patches that an event is about, by stroke.
 struct ChangedPatches {
   std::vector<Patches> before, after;
@@ -65,7 +58,7 @@ ChangedPatches changed_patches(const Event& event, const AttributeGraph& before,
                                const AttributeGraph& after) {
   const auto sets = [](const AttributeGraph& graph, const std::vector<SubgraphId>& strokes) {
     std::vector<Patches> result;
-    for (const SubgraphId stroke : strokes) result.push_back(patches_of(graph, stroke));
+    for (const SubgraphId stroke : strokes) result.push_back(vertices_of(graph, stroke));
     return result;
   };
   return {sets(before, event.before), sets(after, event.after)};

@@ -179,26 +179,6 @@ void add_frame_events(const FrameParts& before, const FrameParts& after, const M
   add_joint_events(after, before, of_after, Sense::forward, frame, events);
 }
 
-/// Returns the mean displacement of a stroke from one frame to a neighbouring one, over its links, px.
-/// Summed in sorted order, so that reversing time gives the same bits.
-Point mean_displacement(const MotionGraph& motion, int from, int to, SubgraphId stroke) {
-  const AttributeGraph &a = motion.sketch.frames[static_cast<std::size_t>(from)],
-                       &b = motion.sketch.frames[static_cast<std::size_t>(to)];
-  std::vector<std::pair<double, double>> ways;
-  for (const Link& link : motion.links[static_cast<std::size_t>(std::max(from, to))]) {
-    const auto [before, after] = std::pair(link.before, link.after);
-    const Vertex &p = a.vertices()[a.index_of(from < to ? before : after)],
-                 &q = b.vertices()[b.index_of(from < to ? after : before)];
-    if (p.subgraph != stroke || q.subgraph != stroke) continue;
-    const Point way = q.patch.position - p.patch.position;
-    ways.emplace_back(way.x, way.y);
-  }
-  std::sort(ways.begin(), ways.end());
-  Point sum;
-  for (const auto& [x, y] : ways) sum = sum + Point{x, y};
-  return ways.empty() ? Point{} : sum * (1 / static_cast<double>(ways.size()));
-}
-
 /// Corrects the position of a birth or death of a stroke that fades.
 /// Its middle is taken in the frame of the median number of patches, of the first frames after a birth (the
 /// last before a death), and moved back by the mean displacements. Nothing changes if that number is as at
@@ -231,7 +211,8 @@ void correct_place(const MotionGraph& motion, Event& event) {
   event.position = detail::component_middle(graph, paths,
                                             static_cast<std::uint32_t>(of_stroke - graph.vertices().begin()));
   for (int t = settled; t != first; t -= sense)
-    event.position = event.position + mean_displacement(motion, t, t - sense, stroke);
+    event.position = event.position + detail::mean_displacement(motion, stroke, static_cast<std::size_t>(t),
+                                                                static_cast<std::size_t>(t - sense));
 }
 
 }  // namespace

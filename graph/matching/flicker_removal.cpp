@@ -47,16 +47,6 @@ void remove_short_lived(Draft& draft, std::size_t frame, const Lasting& lasts,
 
 // ---- strokes that are missing, joined or broken for a short time ----
 
-/// Lists the vertices of a stroke.
-
-std::vector<std::uint32_t> find_vertices(const AttributeGraph& graph, SubgraphId stroke) {
-  std::vector<std::uint32_t> result;
-  for (std::uint32_t i = 0; i < graph.size(); ++i) {
-    if (graph.vertices()[i].subgraph == stroke) result.push_back(i);
-  }
-  return result;
-}
-
 /// Returns the mean distance from the patches of stroke a to the nearest of b that can be linked, px.
 double mean_distance(const AttributeGraph& a, std::span<const std::uint32_t> of_a, const AttributeGraph& b,
                      std::span<const std::uint32_t> of_b) {
@@ -212,8 +202,7 @@ class FlickerRepair {
                                find_piece_end(pieces[1], joint.frame, parts)};
       const auto& there =
           motion_.sketch.frames[static_cast<std::size_t>(parts ? joint.frame : joint.frame - 1)];
-      const std::array sizes = {find_vertices(there, pieces[0]).size(),
-                                find_vertices(there, pieces[1]).size()};
+      const std::array sizes = {vertices_of(there, pieces[0]).size(), vertices_of(there, pieces[1]).size()};
       const auto frames_of = [&](int end) {
         return std::pair(std::min(joint.frame, end), std::max(joint.frame, end));
       };
@@ -282,7 +271,7 @@ class FlickerRepair {
       const auto last = static_cast<std::size_t>(first.frame) - 1,
                  again = static_cast<std::size_t>(second.frame);
       const AttributeGraph &before = motion_.sketch.frames[last], &after = motion_.sketch.frames[again];
-      const auto gone = find_vertices(before, first.before[0]), back = find_vertices(after, second.after[0]);
+      const auto gone = vertices_of(before, first.before[0]), back = vertices_of(after, second.after[0]);
       if (!lasts_(last, gone.front()) || !lasts_(again, back.front())) return false;
       if (mean_distance(before, gone, after, back) > kSameStroke ||
           mean_distance(after, back, before, gone) > kSameStroke)

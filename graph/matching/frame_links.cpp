@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace emberfold::graph::detail {
 
@@ -43,6 +44,24 @@ std::vector<ComponentPair> component_pairs(const AttributeGraph& before, const A
     }
   }
   return result;
+}
+
+Point mean_displacement(const MotionGraph& motion, SubgraphId stroke, std::size_t from, std::size_t to) {
+  if (from == to) return {};
+  const AttributeGraph &a = motion.sketch.frames[from], &b = motion.sketch.frames[to];
+  std::vector<std::pair<double, double>> ways;
+  for (const Link& link : motion.links[std::max(from, to)]) {
+    const auto [before, after] = std::pair(link.before, link.after);
+    const Vertex &p = a.vertices()[a.index_of(from < to ? before : after)],
+                 &q = b.vertices()[b.index_of(from < to ? after : before)];
+    if (p.subgraph != stroke || q.subgraph != stroke) continue;
+    const Point way = q.patch.position - p.patch.position;
+    ways.emplace_back(way.x, way.y);
+  }
+  std::sort(ways.begin(), ways.end());
+  Point sum;
+  for (const auto& [x, y] : ways) sum = sum + Point{x, y};
+  return ways.empty() ? Point{} : sum * (1 / static_cast<double>(ways.size()));
 }
 
 }  // namespace emberfold::graph::detail

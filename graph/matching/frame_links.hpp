@@ -31,4 +31,8 @@ std::vector<ComponentPair> component_pairs(const AttributeGraph& before, const A
                                            const Components& parts_before, const Components& parts_after,
                                            const FrameLinks& links);
 
+/// Returns the mean displacement of a stroke from one frame to a neighbouring one, over its links, px; none
+/// to the same frame. Summed in sorted order, so that reversing time gives the same bits.
+Point mean_displacement(const MotionGraph& motion, SubgraphId stroke, std::size_t from, std::size_t to);
+
 }  // namespace emberfold::graph::detail

@@ -74,19 +74,6 @@ Families gather_families(const std::vector<FigureRegion>& regions) {
   return families;
 }
 
-/// Returns the distance from the lines that are drawn in a frame, in pixels of the view.
-cv::Mat1f distance_from_lines(const graph::AttributeGraph& lines, const FigureView& view) {
-  cv::Mat1b away(view.size, std::uint8_t{255});
-  const auto pixel = [&](graph::VertexId id) {
-    const graph::Point p = view.in_view(lines.patch(lines.index_of(id)).position);
-    return cv::Point(cvRound(p.x), cvRound(p.y));
-  };
-  for (const graph::Edge& edge : lines.edges()) cv::line(away, pixel(edge.a), pixel(edge.b), 0);
-  cv::Mat1f distance;
-  cv::distanceTransform(away, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  return distance;
-}
-
 void count_drawn(const cv::Mat1i& numbers, const cv::Mat1f& from_lines, Families& families) {
   for (int y = 0; y < numbers.rows; ++y)
     for (int x = 0; x < numbers.cols; ++x)
@@ -147,7 +134,7 @@ void find_families(FigureRegions& all, const FigureGround& ground, const graph::
   for (std::size_t t = 0; t < all.labels.size(); ++t) {
     const std::array<cv::Mat1i, 2> numbers = {region_numbers(all, kFirst[0], t),
                                               region_numbers(all, kFirst[1], t)};
-    const cv::Mat1f from_lines = distance_from_lines(lines.frames[t], ground.view);
+    const cv::Mat1f from_lines = distance_from_edges(lines.frames[t], ground.view);
     const cv::Mat1b inner = inner_part(ground, t);
     for (const std::size_t p : {0, 1}) {
       count_drawn(numbers[p], from_lines, families[p]);

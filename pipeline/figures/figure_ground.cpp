@@ -192,6 +192,18 @@ FigureView figure_view(const core::ClipInfo& info) {
   return {factor, {std::max(1, info.width / factor), std::max(1, info.height / factor)}};
 }
 
+cv::Mat1f distance_from_edges(const graph::AttributeGraph& graph, const FigureView& view) {
+  cv::Mat1b away(view.size, std::uint8_t{255});
+  const auto pixel = [&](graph::VertexId id) {
+    const graph::Point p = view.in_view(graph.patch(graph.index_of(id)).position);
+    return cv::Point(cvRound(p.x), cvRound(p.y));
+  };
+  for (const graph::Edge& edge : graph.edges()) cv::line(away, pixel(edge.a), pixel(edge.b), 0);
+  cv::Mat1f distance;
+  cv::distanceTransform(away, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  return distance;
+}
+
 cv::Mat1f figure_level(const cv::Mat& frame, const core::ClipInfo& info, const FigureView& view) {
   const cv::Mat luma = core::luma(frame, info);
   const cv::Mat seen = luma(cv::Rect({0, 0}, view.size * view.factor));

@@ -9,7 +9,7 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
-#include "graph/patch.hpp"
+#include "graph/attribute_graph.hpp"
 #include "pipeline/figures/kept_image.hpp"
 
 namespace emberfold::pipeline {
@@ -30,6 +30,8 @@ struct FigureView {
 };
 /// Returns the view of a clip's frames.
 FigureView figure_view(const core::ClipInfo& info);
+/// Returns the distance of each pixel of a view from the edges of a frame's graph, px of the view.
+cv::Mat1f distance_from_edges(const graph::AttributeGraph& graph, const FigureView& view);
 /// Returns the luma of a frame as the view shows it: CV_32F, white = 255, smoothed by a Gaussian of 1 px.
 cv::Mat1f figure_level(const cv::Mat& frame, const core::ClipInfo& info, const FigureView& view);
 

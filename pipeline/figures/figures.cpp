@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
 
 #include "graph/events/event_family.hpp"
 #include "pipeline/figures/figure_changes.hpp"
@@ -84,14 +83,7 @@ graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
       left.append(of_lines);
       continue;
     }
-    cv::Mat1b away(lines.height, lines.width, std::uint8_t{255});
-    const auto pixel = [&](graph::VertexId id) {
-      const graph::Point p = of_figures.patch(of_figures.index_of(id)).position;
-      return cv::Point(cvRound(p.x), cvRound(p.y));
-    };
-    for (const graph::Edge& edge : of_figures.edges()) cv::line(away, pixel(edge.a), pixel(edge.b), 0);
-    cv::Mat1f distance;
-    cv::distanceTransform(away, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    const cv::Mat1f distance = distance_from_edges(of_figures, {1, {lines.width, lines.height}});
     std::vector<bool> stays;
     for (std::size_t i = 0; i < of_lines.size(); ++i) {
       const graph::Patch& patch = of_lines.patch(i);

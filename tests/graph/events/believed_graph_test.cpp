@@ -128,7 +128,7 @@ TEST_CASE("A graph changes where an event is believed, and nowhere else", "[grap
   CHECK(std::ranges::find(frame.neighbours(2), 3u) != frame.neighbours(2).end());
 }
 
-TEST_CASE("Where all events are believed a graph stays as it is", "[graph][believed_graph]") {
+TEST_CASE("Where all events are believed a graph is unchanged", "[graph][believed_graph]") {
   for (const auto& motion : {broken_for_a_while(), short_life({150, 50}, {150, 70}, 5)}) {
     auto settled = motion;
     auto events = graph::stroke_events(motion);
@@ -216,7 +216,7 @@ TEST_CASE("Pieces of a stroke are joined over gaps of 30 px at most", "[graph][b
   }
 }
 
-TEST_CASE("A stroke goes on where its end and its beginning are not believed", "[graph][believed_graph]") {
+TEST_CASE("A stroke continues where its end and its beginning are not believed", "[graph][believed_graph]") {
   // A line moves down by 1 px a frame and is not drawn in `gap` − 1 frames.
   for (const int gap : {2, 5, 10, 11})
     for (const auto& [death, birth] : {std::pair{0.1, 0.2}, {0.1, 0.8}, {0.8, 0.2}}) {
