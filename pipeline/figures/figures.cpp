@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-
 #include "graph/events/event_family.hpp"
 #include "pipeline/figures/figure_changes.hpp"
 #include "pipeline/figures/figure_graphs.hpp"
