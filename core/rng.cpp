@@ -45,6 +45,11 @@ std::uint32_t Rng::below(std::uint32_t count) {
   return static_cast<std::uint32_t>(product >> 32);
 }
 
+int Rng::count(double mean) {
+  const double whole = std::floor(mean);
+  return static_cast<int>(whole) + (uniform() < mean - whole ? 1 : 0);
+}
+
 double Rng::normal() {
   if (has_spare_) {
     has_spare_ = false;

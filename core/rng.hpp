@@ -37,6 +37,8 @@ class Rng {
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /// Draws uniformly from {0, …, count − 1}, without bias. Throws InputError for count 0.
   std::uint32_t below(std::uint32_t count);
+  /// Draws one of the two whole numbers next to `mean` ≥ 0, which is the mean of many.
+  int count(double mean);
   /// Draws from the standard normal distribution (Box & Muller 1958).
   double normal();
   /// Draws i with probability weights[i] / Σ weights.

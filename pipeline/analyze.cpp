@@ -10,9 +10,7 @@
 #include "core/freed_memory.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
-#include "pipeline/background_texture.hpp"
 #include "pipeline/figures/figures.hpp"
-#include "pipeline/frame_synthesis.hpp"
 #include "pipeline/inference/cuts.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
@@ -44,9 +42,6 @@ void check_options(const AnalyzeOptions& options) {
   if (!(options.least_probability >= 0 && options.least_probability <= 1))
     throw core::InputError("AnalyzeOptions.least_probability is " +
                            std::to_string(options.least_probability) + "; allowed is 0 to 1");
-  if (options.texture < 0 || options.texture > 500)
-    throw core::InputError("AnalyzeOptions.texture is " + std::to_string(options.texture) +
-                           "; allowed is 0 (none) to 500");
 }
 
 /// Names the curves of the motion graph.
@@ -128,23 +123,6 @@ std::optional<RateCorrection> rate_correction(const StartSketches& sketches, con
   if (source.patches <= 0 || fitted.model.exemplars.empty()) return std::nullopt;
   return RateCorrection{
       options.calibrate.calibrate, options.seed, source, fitted.observed, options.sketch, options.match};
-}
-
-/// Learns the texture between the strokes into the model. Returns nothing, with a warning, where that fails.
-std::optional<LearnedTexture> learn_texture(core::FrameSource& source, const graph::SketchSequence& sketch,
-                                            int components, ClipModel& model, const core::Context& context) {
-  BackgroundTextureOptions options;
-  options.components = components;
-  try {
-    auto learned = learn_background_texture(source, sketch.frames, options, context);
-    for (const auto& note : learned.notes) context.warn("texture: " + note);
-    const LearnedTexture figures{learned.texture.components(), learned.hidden, learned.texture.r};
-    model.texture = std::move(learned.texture);
-    return figures;
-  } catch (const core::InputError& error) {
-    context.warn("no texture between the strokes: " + std::string(error.what()));
-    return std::nullopt;
-  }
 }
 
 /// Sketches the clip and the copies that its interpretations need, or reads the sketches that are kept.
@@ -250,29 +228,21 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
                          sketch::Background background, const AnalyzeOptions& options,
                          const Analysis& analysis, mcmc::FitResult fitted, core::StageClock& clock,
                          const core::Context& context) {
-  const auto& sketch = analysis.motion.sketch;
   LearnedModel learned;
   ClipModel& model = learned.model;
   model.background = std::move(background);
   model.background.static_pixels = sketch::find_static_pixels(source, context);
   core::return_freed_memory();
-  const double gradient = sketch::measure_clip_flank_gradient(source, sketch, context).mean();
+  const double gradient = sketch::measure_clip_flank_gradient(source, analysis.motion.sketch, context).mean();
   model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
   model.correction = rate_correction(sketches, options, fitted, context);
   core::return_freed_memory();
   learned.rates = fitted.events_per_frame;
   learned.notes = std::move(fitted.notes);
   model.motion = std::move(fitted.model);
-  auto residual =
-      measure_residual(source, sketch.frames, render_options(model.motion, model.background), context);
-  if (!residual.empty()) model.residual = std::move(residual);
   clock.begin("footage");
   core::return_freed_memory();
   model.footage = gather_footage(source, analysis.motion, context);
-  if (options.texture > 0) {
-    clock.begin("texture");
-    learned.texture = learn_texture(source, sketch, options.texture, model, context);
-  }
   return learned;
 }
 
@@ -315,7 +285,6 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   for (const auto& note : learned->notes) context.warn("model: " + note);
   analysis.model = std::move(learned->model);
   analysis.rates = learned->rates;
-  analysis.texture = learned->texture;
   clock.end();
   analysis.stages = clock.ended();
   return analysis;

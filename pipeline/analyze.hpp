@@ -36,7 +36,6 @@ struct AnalyzeOptions {
   StartOptions starts = {};
   mcmc::InferOptions infer = {};
   CalibrateOptions calibrate = {};
-  int texture = 0;            ///< components of the texture between the strokes, 1…500; 0: none is learned
   bool bottom_up = false;     ///< the match unchanged, each event of probability 1
   bool curve_events = false;  ///< events of curves, not of strokes; touching and crossing are no events
   /// Also follows figures, things wider than a line (find_figures); not with the three options about them.
@@ -61,13 +60,6 @@ std::optional<Quality> quality(std::string_view name);
 /// Sets the options of a quality; normal changes nothing.
 void set_quality(AnalyzeOptions& options, Quality quality);
 
-/// Holds figures of the texture learned between the strokes.
-struct LearnedTexture {
-  Eigen::Index components = 0;
-  double hidden_share = 0;  ///< share of the clip's pixels that patches cover, 0…1
-  double r = 0;             ///< SD of the observation noise, grey levels
-};
-
 /// Holds the results of analyze().
 struct Analysis {
   SketchedClip sketched;  ///< empty without AnalyzeOptions::keep_sketch
@@ -85,7 +77,6 @@ struct Analysis {
   std::array<mcmc::RateInterval, 6> rates{};
   std::optional<mcmc::InferResult> sampled;  ///< with AnalyzeOptions::sample
   std::optional<ReviewedClip> reviewed;      ///< with AnalyzeOptions::review; its events are all_events
-  std::optional<LearnedTexture> texture;
   std::vector<core::StageTime> stages;
 };
 

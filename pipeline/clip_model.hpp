@@ -7,11 +7,9 @@
 
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
-#include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "pipeline/footage/footage.hpp"
 #include "pipeline/rate_correction.hpp"
-#include "pipeline/residual_texture.hpp"
 #include "sketch/background/still_background.hpp"
 #include "sketch/rendering/sharpening.hpp"
 
@@ -22,17 +20,14 @@ struct ClipModel {
   mcmc::MotionModel motion;
   sketch::Background background;  ///< static pixels between the strokes, and the range of levels
   sketch::Sharpening sharpening;
-  std::optional<ResidualTexture> residual = {};             ///< for ModelFill::texture
-  std::optional<dytex::LinearDynamicTexture> texture = {};  ///< for ModelFill::dytex
-  std::optional<Footage> footage = {};                      ///< for ModelFill::footage and carried
-  std::optional<RateCorrection> correction = {};            ///< applied when strokes are first drawn
+  std::optional<Footage> footage = {};            ///< for ModelFill::footage, carried and strokes
+  std::optional<RateCorrection> correction = {};  ///< applied when strokes are first drawn
 };
 
 /// Packs a model for its folder: model.json and arrays.
-/// The linear dynamic texture becomes the part "texture", in half precision.
 core::ModelArchive to_archive(const ClipModel& model);
 
-/// Reads a model from an archive.
+/// Reads a model from an archive. Arrays and parts of older versions that it does not know are ignored.
 /// Throws core::IoError, without a folder's name, for an archive that is no model.
 ClipModel clip_model(const core::ModelArchive& archive);
 
@@ -41,11 +36,11 @@ std::string why_undrawable(const mcmc::MotionModel& model);
 
 /// Source of a new clip: the clip's own frames, or strokes and a fill between them.
 enum class ModelFill {
-  footage,    ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
-  carried,    ///< frames of the clip; where their strokes are edited, pixels are transferred
-  diffusion,  ///< levels diffused from the strokes and the still background
-  texture,    ///< diffusion plus a Gaussian texture with the statistics of the clip's residual
-  dytex       ///< a linear dynamic texture learned from the pixels between the strokes
+  footage,   ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
+  carried,   ///< frames of the clip; where their strokes are edited, pixels are transferred
+  strokes,   ///< strokes of the clip that live again at other times, what lies between them by a linear
+             ///< texture
+  diffusion  ///< levels diffused from the strokes and the still background
 };
 std::string_view name(ModelFill fill);
 /// Returns the fill of that name; nothing for an unknown name.
@@ -56,7 +51,8 @@ std::optional<ModelFill> model_fill(std::string_view name);
 /// from (no exemplars, all rates 0), or lacks that part.
 ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fill);
 
-/// Returns whether the model in a folder holds the strokes of its clip's frames, for ModelFill::carried.
+/// Returns whether the model in a folder holds the strokes of its clip's frames, for ModelFill::carried and
+/// strokes.
 bool holds_footage_strokes(const std::string& folder);
 
 /// Finds the sharpening at which the mean gradient on the flanks of patches over 60 frames is `wanted`.

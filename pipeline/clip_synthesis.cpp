@@ -8,12 +8,17 @@
 #include "pipeline/carried/carried_synthesis.hpp"
 #include "pipeline/footage/footage_synthesis.hpp"
 #include "pipeline/frame_synthesis.hpp"
+#include "pipeline/strokes/stroke_synthesis.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
 
 bool is_of_footage(ModelFill fill) {
+  return fill != ModelFill::diffusion;
+}
+
+bool can_loop(ModelFill fill) {
   return fill == ModelFill::footage || fill == ModelFill::carried;
 }
 
@@ -25,35 +30,24 @@ void check(const ClipModel& model, const ClipSynthesisOptions& options) {
   core::check_range("ClipSynthesisOptions.speed", options.speed, -100, 100);
   const auto fill = chosen_fill(model, options);
   if (is_of_footage(fill) && !model.footage) throw core::InputError("the model holds no frames of its clip");
+  if (options.loop && !can_loop(fill))
+    throw core::InputError("ClipSynthesisOptions.loop is for footage and carried strokes");
   if (is_of_footage(fill)) return;
-  if (options.loop) throw core::InputError("ClipSynthesisOptions.loop is not for drawn strokes");
   if (options.edit != mcmc::MotionEdit{})
-    throw core::InputError("ClipSynthesisOptions.edit is for carried strokes alone");
+    throw core::InputError("ClipSynthesisOptions.edit is not for drawn strokes: edit their model");
   if (const auto why = why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
-  if (fill == ModelFill::texture && !model.residual)
-    throw core::InputError("the model holds no residual of its clip to draw a texture from");
-  if (fill == ModelFill::dytex && !model.texture)
-    throw core::InputError("the model holds no texture of what lies between the strokes");
 }
 
-FrameSynthesis begin_strokes(const std::shared_ptr<const ClipModel>& model, ModelFill fill,
-                             const ClipSynthesisOptions& options) {
-  auto look = sketch::apply_sharpening(render_options(model->motion, model->background), model->sharpening);
-  if (fill == ModelFill::dytex) {
-    const std::shared_ptr<const dytex::LinearDynamicTexture> texture(model, &*model->texture);
-    return hybrid_frames(model->motion, texture, std::move(look), options.seed, options.start);
-  }
-  if (fill == ModelFill::texture)
-    return residual_frames(model->motion, *model->residual, std::move(look), options.seed, options.start,
-                           options.speed * model->residual->speed);
-  return {mcmc::Synthesis(model->motion, options.seed, options.start), std::move(look)};
+FrameSynthesis begin_strokes(const ClipModel& model, const ClipSynthesisOptions& options) {
+  return {mcmc::Synthesis(model.motion, options.seed, options.start),
+          sketch::apply_sharpening(render_options(model.motion, model.background), model.sharpening)};
 }
 
-/// Strokes of the motion model, drawn over what a fill puts between them.
+/// Strokes of the motion model, with levels that diffuse between them.
 class DrawnStrokes final : public FrameMethod {
  public:
-  DrawnStrokes(std::shared_ptr<const ClipModel> model, ModelFill fill, const ClipSynthesisOptions& options)
-      : model_(std::move(model)), options_(options), frames_(begin_strokes(model_, fill, options)) {}
+  DrawnStrokes(std::shared_ptr<const ClipModel> model, const ClipSynthesisOptions& options)
+      : model_(std::move(model)), options_(options), frames_(begin_strokes(*model_, options)) {}
 
   void each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context) override {
     frames_.each(count, take, context);
@@ -87,7 +81,10 @@ std::unique_ptr<FrameMethod> begin(const std::shared_ptr<const ClipModel>& model
             options.seed, options.edit, {rates.split_gap, rates.disconnect_gap}, options.loop},
         context);
   }
-  return std::make_unique<DrawnStrokes>(model, fill, options);
+  if (fill == ModelFill::strokes)
+    return std::make_unique<StrokeSynthesis>(decode(*model->footage, context), model->footage->strokes,
+                                             StrokeSynthesisOptions{options.seed, options.edit}, context);
+  return std::make_unique<DrawnStrokes>(model, options);
 }
 
 core::ClipInfo info_of(const ClipModel& model, ModelFill fill) {
@@ -95,8 +92,7 @@ core::ClipInfo info_of(const ClipModel& model, ModelFill fill) {
     const auto& clip = *model.footage;
     return {clip.size.width, clip.size.height, clip.channels, CV_8U, model.motion.fps, 255, {}};
   }
-  const int channels = fill == ModelFill::dytex ? model.texture->info.channels
-                                                : render_options(model.motion, model.background).channels;
+  const int channels = render_options(model.motion, model.background).channels;
   return {model.motion.width, model.motion.height, channels, CV_8U, model.motion.fps, 255, {}};
 }
 

@@ -23,8 +23,8 @@ struct ClipSynthesisOptions {
   std::uint64_t seed = 1;
   std::optional<ModelFill> fill_kind = {};  ///< none: the model's footage, or without one the diffusion
   mcmc::Start start = mcmc::Start::data;    ///< the clip's own strokes, or the model's stationary law
-  double speed = 1;  ///< speed of the footage or the residual, −100…100, not 0; below 0 backwards
-  mcmc::MotionEdit edit = {};    ///< of ModelFill::carried alone; otherwise edit the model (edit_model)
+  double speed = 1;                         ///< speed of the footage, −100…100, not 0; below 0 backwards
+  mcmc::MotionEdit edit = {};    ///< of ModelFill::carried and strokes; else edit the model (edit_model)
   std::optional<int> loop = {};  ///< for footage and carried: frames until the clip repeats, ≥ 2
 };
 

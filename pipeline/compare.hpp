@@ -42,7 +42,7 @@ struct CompareOptions {
   int steps = 8;
   int frames = 0;
   bool curve = false;
-  /// The hybrid and the STAR model too, and strokes of the drawn clips, which takes twice as long.
+  /// The STAR model too, and strokes of the drawn clips, which takes twice as long.
   bool in_full = true;
 
   /// Returns the fields' descriptions for checks, help and docstrings.
@@ -126,7 +126,7 @@ ClipComparison compare(core::FrameSource& a, core::FrameSource& b, const Compare
 
 /// Holds a model of a comparison and the clip that was drawn from it.
 struct ModelResult {
-  std::string key, label;  ///< key: "motion_model", "hybrid", "footage", "linear_dynamic_texture" or "star"
+  std::string key, label;  ///< key: "motion_model", "footage", "linear_dynamic_texture" or "star"
   double parameters = 0;   ///< numbers needed to draw from the model
   ClipProfile drawn;
   ClipDistances distances;  ///< of the drawn clip from the source

@@ -9,24 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
-#include "dytex/editing/edit.hpp"
 
 namespace emberfold::pipeline {
-
-namespace {
-
-void edit_texture(EditedClipModel& edited, const mcmc::MotionEdit& edit) {
-  auto& texture = edited.model.texture;
-  std::vector<dytex::Edit> edits;
-  if (edit.speed != 1) edits.push_back({dytex::Flow{edit.speed}});
-  if (edit.reverse) edits.push_back({dytex::Reverse{}});
-  if (!texture || edits.empty()) return;
-  auto result = dytex::edit(*texture, edits);
-  for (const auto& note : result.notes) edited.notes.push_back("texture: " + note);
-  texture = std::move(result.texture);
-}
-
-}  // namespace
 
 EditedClipModel edit_model(ClipModel model, const mcmc::MotionEdit& edit, std::uint64_t seed,
                            const core::Context& context) {
@@ -38,8 +22,6 @@ EditedClipModel edit_model(ClipModel model, const mcmc::MotionEdit& edit, std::u
   auto motion = mcmc::edit_motion(changed.motion, edit, seed, context);
   changed.motion = std::move(motion.model);
   std::ranges::move(motion.notes, std::back_inserter(edited.notes));
-  edit_texture(edited, edit);
-  if (changed.residual) changed.residual->speed *= edit.reverse ? -edit.speed : edit.speed;
   changed.footage.reset();
   return edited;
 }

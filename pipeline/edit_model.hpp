@@ -20,9 +20,8 @@ struct EditedClipModel {
 };
 
 /// Returns an edited copy of a clip's model: its strokes as mcmc::edit_motion does, after the model's pending
-/// correction, and the fill between them at the same speed. An edited model has no footage, which would not
-/// show the edit; a neutral edit returns the same model. Throws core::InputError as edit_motion does;
-/// core::Cancelled.
+/// correction. An edited model has no footage, which would not show the edit; a neutral edit returns the same
+/// model. Throws core::InputError as edit_motion does; core::Cancelled.
 EditedClipModel edit_model(ClipModel model, const mcmc::MotionEdit& edit, std::uint64_t seed = 1,
                            const core::Context& context = {});
 

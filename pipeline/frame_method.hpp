@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -18,6 +19,7 @@ namespace emberfold::pipeline {
 struct SynthesisStatistics {
   std::vector<std::size_t> patches, strokes;  ///< of each frame
   std::array<std::size_t, 6> operators{};     ///< births, deaths, splits, merges, connects, disconnects
+  std::optional<double> copied_share = {};  ///< CopiedShare of every fourth frame; none of a model's strokes
 };
 
 /// A way of making the frames of a new clip, one after the other without end.

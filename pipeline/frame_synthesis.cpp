@@ -4,15 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <string>
 #include <utility>
 
 #include "core/clip/frame_stream.hpp"
 #include "core/context.hpp"
-#include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "core/text/size_text.hpp"
-#include "dytex/synthesize.hpp"
 #include "graph/events/events.hpp"
 
 namespace emberfold::pipeline {
@@ -46,8 +42,8 @@ sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Bac
   return look;
 }
 
-FrameSynthesis::FrameSynthesis(mcmc::Synthesis strokes, sketch::RenderOptions look, Between between)
-    : strokes_(std::move(strokes)), look_(std::move(look)), between_(std::move(between)) {
+FrameSynthesis::FrameSynthesis(mcmc::Synthesis strokes, sketch::RenderOptions look)
+    : strokes_(std::move(strokes)), look_(std::move(look)) {
   look_.new_places = true;
 }
 
@@ -76,9 +72,7 @@ sketch::FrameContent FrameSynthesis::next_parts() {
   std::vector<const graph::AttributeGraph*> coming;
   for (const auto& later : ahead_) coming.push_back(&later.graph);
   auto fading = fader_.next(drawn.graph, coming);
-  sketch::FrameContent parts{std::move(fading.graph), {}, std::move(fading.opacity)};
-  if (between_) between_(parts);
-  return parts;
+  return {std::move(fading.graph), std::move(fading.opacity)};
 }
 
 void FrameSynthesis::each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context) {
@@ -106,35 +100,6 @@ std::vector<sketch::FrameContent> FrameSynthesis::parts(int count, const core::C
     all.push_back(next_parts());
   }
   return all;
-}
-
-FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
-                             std::shared_ptr<const dytex::LinearDynamicTexture> texture,
-                             sketch::RenderOptions look, std::uint64_t seed, mcmc::Start start) {
-  const auto& info = texture->info;
-  if (info.width != model.width || info.height != model.height)
-    throw core::InputError("the texture between the strokes is " + core::size_text(info.width, info.height) +
-                           ", the model " + core::size_text(model.width, model.height));
-  look.channels = info.channels;
-  dytex::SynthesisOptions options;
-  options.seed = seed;
-  // Keeps the texture alive as long as the synthesis that refers to it.
-  struct Drawn {
-    std::shared_ptr<const dytex::LinearDynamicTexture> texture;
-    dytex::Synthesis synthesis;
-  };
-  dytex::Synthesis synthesis(*texture, options);
-  const auto ground = std::make_shared<Drawn>(Drawn{std::move(texture), std::move(synthesis)});
-  return {mcmc::Synthesis(model, seed, start), std::move(look),
-          [ground](sketch::FrameContent& parts) { parts.background = ground->synthesis.next(); }};
-}
-
-FrameSynthesis residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual,
-                               sketch::RenderOptions look, std::uint64_t seed, mcmc::Start start,
-                               double residual_speed) {
-  const auto frames = std::make_shared<ResidualFrames>(residual, look.size, seed, residual_speed);
-  return {mcmc::Synthesis(model, seed, start), std::move(look),
-          [frames](sketch::FrameContent& parts) { parts.residual = frames->next(); }};
 }
 
 }  // namespace emberfold::pipeline

@@ -2,21 +2,16 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <deque>
 #include <functional>
-#include <memory>
-#include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
-#include "dytex/linear_dynamic_texture.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/frame_method.hpp"
-#include "pipeline/residual_texture.hpp"
 #include "sketch/rendering/fade_in_out.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
 
@@ -27,13 +22,11 @@ namespace emberfold::pipeline {
 /// strokes' sides where a frame has neither strokes nor background.
 sketch::RenderOptions render_options(const mcmc::MotionModel& model, sketch::Background ground);
 
-/// Draws an endless number of new frames of a model, from its graphs and, if given, backgrounds.
+/// Draws an endless number of new frames of a model, with the diffusion between its strokes.
 /// The frames are the same at any number of threads and calls.
 class FrameSynthesis {
  public:
-  /// Adds a background or a residual; called once for each frame, in order. None: the diffusion.
-  using Between = std::function<void(sketch::FrameContent&)>;
-  FrameSynthesis(mcmc::Synthesis strokes, sketch::RenderOptions look, Between between = {});
+  FrameSynthesis(mcmc::Synthesis strokes, sketch::RenderOptions look);
 
   /// Draws the next `count` frames, CV_8U, on several threads and hands them to `take`.
   /// They are handed over in order and one at a time, while the next ones are drawn. At most batch() frames
@@ -59,24 +52,9 @@ class FrameSynthesis {
 
   mcmc::Synthesis strokes_;
   sketch::RenderOptions look_;
-  Between between_;
   SynthesisStatistics statistics_;
   std::deque<Drawn> ahead_;
   sketch::FadeInOut fader_;
 };
-
-/// Draws strokes of a motion model on the frames of a texture of the same clip, in step.
-/// The texture is that of learn_background_texture; the channels are the texture's. Throws core::InputError
-/// where the sizes disagree.
-FrameSynthesis hybrid_frames(const mcmc::MotionModel& model,
-                             std::shared_ptr<const dytex::LinearDynamicTexture> texture,
-                             sketch::RenderOptions look, std::uint64_t seed,
-                             mcmc::Start start = mcmc::Start::data);
-
-/// Draws strokes of a motion model, the diffusion between them, with the clip's residual added.
-/// The residual runs `residual_speed` times as fast.
-FrameSynthesis residual_frames(const mcmc::MotionModel& model, const ResidualTexture& residual,
-                               sketch::RenderOptions look, std::uint64_t seed,
-                               mcmc::Start start = mcmc::Start::data, double residual_speed = 1);
 
 }  // namespace emberfold::pipeline

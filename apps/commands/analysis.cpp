@@ -191,13 +191,6 @@ Json files_json(const AnalyzeOptions& options, bool keeps) {
   return files;
 }
 
-Json model_texture_json(const std::optional<pipeline::LearnedTexture>& texture) {
-  if (!texture) return nullptr;
-  return {{"components", texture->components},
-          {"hidden_share", std::round(texture->hidden_share * 10000) / 10000},
-          {"r", texture->r}};
-}
-
 std::vector<RateInterval> rates_a_frame(const pipeline::Analysis& found) {
   std::vector<RateInterval> rates;
   for (const auto type : graph::all_event_types()) {
@@ -226,17 +219,12 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
                    Json begun) {
   Json& summary = begun;
   const auto& motion = found.motion;
-  summary["options"] = {{"reading", reading_json(options.read)},
-                        {"sketch", options_json(options.sketch)},
-                        {"match", options_json(options.match)},
-                        {"starts", options_json(options.starts)},
-                        {"infer", options_json(options.infer)},
-                        {"bottom_up", options.bottom_up},
-                        {"curve_events", options.curve_events},
-                        {"sample", options.sample},
-                        {"least_probability", options.least_probability},
-                        {"calibrate", options_json(options.calibrate)},
-                        {"texture", options.texture}};
+  summary["options"] = {
+      {"reading", reading_json(options.read)},          {"sketch", options_json(options.sketch)},
+      {"match", options_json(options.match)},           {"starts", options_json(options.starts)},
+      {"infer", options_json(options.infer)},           {"bottom_up", options.bottom_up},
+      {"curve_events", options.curve_events},           {"sample", options.sample},
+      {"least_probability", options.least_probability}, {"calibrate", options_json(options.calibrate)}};
   Json per_frame = per_frame_json(motion, found.events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
@@ -248,7 +236,6 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   const auto& sharpening = found.model.sharpening;
   summary["model"]["blur_share"] = std::round(sharpening.blur_share * 1000) / 1000;
   summary["model"]["contrast_gain"] = std::round(sharpening.contrast_gain * 1000) / 1000;
-  if (options.texture > 0) summary["model"]["texture"] = model_texture_json(found.texture);
   return begun;
 }
 

@@ -133,8 +133,6 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
   if (!(options.least_probability >= 0 && options.least_probability <= 1))
     throw Misuse("--least-probability is " + core::number_text(options.least_probability) +
                  "; allowed is 0 to 1");
-  if (options.texture < 0 || options.texture > 500)
-    throw Misuse("--texture is " + std::to_string(options.texture) + "; allowed is 0 to 500");
   check_options(options.sketch, "sketch");
   check_options(options.match, "match");
   check_options(options.starts, "starts");
@@ -171,8 +169,6 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
   command.add_flag_callback("--jsonl", [&options] { options.jsonl = true; })->group("");
   command.add_flag("--reconstruction", options.reconstruction,
                    "Write reconstruction.avi too, and measure the PSNR of every frame");
-  add_number(command, "--texture", options.texture, "N",
-             "Learn N components of what lies between strokes (synth --fill dytex)");
   settings->add("match", options.match);
   settings->add("starts", options.starts);
   settings->add("infer", options.infer);

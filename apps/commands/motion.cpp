@@ -52,9 +52,8 @@ Json model_json(const pipeline::ClipModel& model) {
   const auto& motion = model.motion;
   Json fills = {"diffusion"};
   if (model.footage) fills.push_back("footage");
-  if (model.footage && !model.footage->strokes.sketch.frames.empty()) fills.push_back("carried");
-  if (model.residual) fills.push_back("texture");
-  if (model.texture) fills.push_back("dytex");
+  if (model.footage && !model.footage->strokes.sketch.frames.empty())
+    for (const char* own : {"carried", "strokes"}) fills.push_back(own);
   Json out = {{"width", motion.width},
               {"height", motion.height},
               {"fps", motion.fps},

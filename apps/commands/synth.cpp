@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -24,7 +25,7 @@ namespace {
 
 pipeline::ModelFill parse_fill(const std::string& text) {
   if (const auto fill = pipeline::model_fill(text)) return *fill;
-  throw Misuse("--fill is " + text + "; allowed is one of footage, carried, diffusion, texture, dytex");
+  throw Misuse("--fill is " + text + "; allowed is one of footage, carried, strokes, diffusion");
 }
 
 using Json = nlohmann::ordered_json;
@@ -58,9 +59,11 @@ Json statistics_json(const pipeline::SynthesisStatistics& drawn) {
   Json counts = Json::object();
   for (std::size_t i = 0; i < drawn.operators.size(); ++i)
     counts[std::string(graph::name(graph::all_event_types()[i]))] = drawn.operators[i];
-  return {{"patches_per_frame", mean(drawn.patches)},
-          {"strokes_per_frame", mean(drawn.strokes)},
-          {"operators", counts}};
+  Json figures = {{"patches_per_frame", mean(drawn.patches)},
+                  {"strokes_per_frame", mean(drawn.strokes)},
+                  {"operators", counts}};
+  if (drawn.copied_share) figures["copied_share"] = std::round(100 * *drawn.copied_share) / 100;
+  return figures;
 }
 
 /// Lists figures of a clip made of footage; at a jump_cost of 1, jumps change as much as any frame does.
@@ -80,6 +83,19 @@ Json shares_json(const SourceMap& sources) {
   for (std::size_t i = 0; i < values.size(); ++i)
     shares[name(static_cast<pipeline::SourceKind>(i))] = std::round(1000 * values[i]) / 1000;
   return shares;
+}
+
+/// Says how much of the clip is copied, or why strokes are drawn.
+std::string how_drawn(const SynthRequest& asked, const pipeline::ClipSynthesis& frames) {
+  const auto* const footage = frames.footage();
+  const auto copied =
+      footage != nullptr ? std::optional(footage->copied_share()) : frames.statistics()->copied_share;
+  std::string text;
+  if (copied)
+    text =
+        "; " + std::to_string(std::lround(100 * *copied)) + " % of what moves is as in one frame of the clip";
+  if (footage != nullptr && footage->plays_back()) text += "; it has no like moments and is played back, too";
+  return asked.drawn_since.empty() ? text : text + "; " + asked.drawn_since;
 }
 
 Json summarise(const SynthRequest& asked, const mcmc::MotionModel& model,
@@ -118,7 +134,8 @@ void run_synth(SynthRequest asked, Session& session) {
   auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
   stages.begin("edit");
   const auto& edit = asked.edit.edit;
-  const bool carries = asked.fill_kind == pipeline::ModelFill::carried;
+  const bool carries =
+      asked.fill_kind == pipeline::ModelFill::carried || asked.fill_kind == pipeline::ModelFill::strokes;
   const bool plays = opened.footage && !carries;  // another speed is a matter of playing, not an edit
   if (!plays && !carries) opened = apply_edits(std::move(opened), asked.edit, session);
   stages.begin("synthesize");
@@ -135,15 +152,8 @@ void run_synth(SynthRequest asked, Session& session) {
   SynthOutputs outputs(asked, frames);
   write_clips(asked, outputs, frames, session);
   stages.end();
-  const auto* const footage = frames.footage();
-  session.console.say(
-      std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " + asked.output +
-      (footage != nullptr
-           ? "; " + std::to_string(std::lround(100 * footage->copied_share())) +
-                 " % of what moves is as in one frame of the clip" +
-                 (footage->plays_back() ? "; it has no like moments and is played back, too" : "")
-       : asked.drawn_since.empty() ? ""
-                                   : "; " + asked.drawn_since));
+  session.console.say(std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " +
+                      asked.output + how_drawn(asked, frames));
   if (!session.common.json) return;
   Json summary = summarise(asked, opened.motion, frames, outputs, session);
   end_summary(summary, session, stages);
@@ -165,7 +175,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   command
       ->add_option_function<std::string>(
           "--fill", [asked](const std::string& text) { asked->fill_kind = parse_fill(text); },
-          "Use footage, carried strokes, or drawn ones on diffusion, texture, dytex")
+          "Use footage, carried strokes, strokes at new times, or diffusion")
       ->type_name("KIND")
       ->default_str("footage");
   command->add_option("--loop", asked->loop, "Draw N frames that repeat without a seam")->type_name("N");

@@ -72,23 +72,6 @@ std::string model_words(const DistanceColumn& model, const Standing& standing, s
   return out + "In " + join_words(standing.equal) + " " + it + as_near;
 }
 
-// Compares the hybrid with its texture alone, which shows the effect of the strokes.
-std::vector<std::string> hybrid_words(const Json& measures) {
-  const auto &hybrid = distances_of(measures, "hybrid"),
-             &texture = distances_of(measures, "linear_dynamic_texture");
-  std::vector<std::string> nearer, farther;
-  for (const auto& measure : all_measures()) {
-    const auto own = value_of(hybrid, measure.key), other = value_of(texture, measure.key);
-    if (!own || !other || *own == *other) continue;
-    (*own < *other ? nearer : farther).push_back(small_letters(measure.name));
-  }
-  if (nearer.empty() && farther.empty()) return {};
-  std::string out = "Against the linear dynamic texture the hybrid ";
-  if (!nearer.empty()) out += "wins in " + join_words(nearer);
-  if (!farther.empty()) out += std::string(nearer.empty() ? "" : "; it ") + "loses in " + join_words(farther);
-  return {out + "."};
-}
-
 std::vector<std::string> synthesis_words(const Json& measures) {
   auto columns = distance_columns(measures);
   std::erase_if(columns, [](const DistanceColumn& one) { return one.key == "noise_floor"; });
@@ -273,7 +256,7 @@ std::vector<std::string> comparison_words(const Json& measures) {
     return words;
   }
   auto words = verdict_words(measures);
-  for (auto* more : {&synthesis_words, &hybrid_words, &prediction_words, &stroke_words})
+  for (auto* more : {&synthesis_words, &prediction_words, &stroke_words})
     for (auto& text : more(measures)) words.push_back(std::move(text));
   return words;
 }

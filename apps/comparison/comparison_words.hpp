@@ -10,8 +10,8 @@ namespace emberfold::apps {
 
 /// Describes measures in sentences.
 /// For each model: the measures by which it is closest to the source, farthest from it, and within the noise
-/// floor; where the hybrid wins and loses against the linear dynamic texture; which model predicts best;
-/// whose strokes change at the source's rates. For two clips: the measures in which they differ.
+/// floor; which model predicts best; whose strokes change at the source's rates. For two clips: the measures
+/// in which they differ.
 std::vector<std::string> comparison_words(const nlohmann::ordered_json& measures);
 
 /// Returns whether a distance is hardly above the noise floor: by at most a quarter, plus `rounding`.

@@ -11,6 +11,7 @@
 #include "core/io/clip_writer.hpp"
 #include "core/text/size_text.hpp"
 #include "pipeline/carried/carried_play.hpp"
+#include "pipeline/strokes/stroke_play.hpp"
 
 namespace emberfold::apps {
 
@@ -32,17 +33,26 @@ std::string not_carried(const SynthRequest& asked) {
   return asked.start != "data" ? "--start" : pipeline::edit_not_carried(asked.edit.edit);
 }
 
+/// Returns whether whole frames of the clip are shown.
+bool is_of_frames(const SynthRequest& asked) {
+  using pipeline::ModelFill;
+  return !asked.fill_kind || asked.fill_kind == ModelFill::footage || asked.fill_kind == ModelFill::carried;
+}
+
 /// Chooses transferred strokes where an option needs strokes, drawn ones where it requires these, and rejects
 /// options that exclude each other.
 void choose_fill(SynthRequest& asked) {
   using pipeline::ModelFill;
   const auto option = stroke_option(asked);
   if (!option.empty() && asked.fill_kind == ModelFill::footage)
-    throw Misuse(option +
-                 " is for clips with strokes (--fill carried, diffusion, texture or dytex), not footage");
+    throw Misuse(option + " is for clips with strokes (--fill carried, strokes or diffusion), not footage");
   const auto why = not_carried(asked);
   if (asked.fill_kind == ModelFill::carried && !why.empty())
     throw Misuse("--fill carried keeps the clip's own strokes; " + why + " needs drawn ones");
+  const auto not_again = asked.start != "data" ? "--start" : pipeline::edit_not_repeated(asked.edit.edit);
+  if (asked.fill_kind == ModelFill::strokes && !not_again.empty())
+    throw Misuse("--fill strokes shows strokes as they lived in the clip; " + not_again +
+                 " needs another --fill");
   if (!option.empty() && !asked.fill_kind) {
     if (!why.empty())
       asked.drawn_since = why + " needs drawn strokes";
@@ -50,9 +60,7 @@ void choose_fill(SynthRequest& asked) {
       asked.drawn_since = "strokes are drawn, since the model holds none of its clip's frames";
     asked.fill_kind = asked.drawn_since.empty() ? ModelFill::carried : ModelFill::diffusion;
   }
-  const bool is_drawn =
-      asked.fill_kind && asked.fill_kind != ModelFill::footage && asked.fill_kind != ModelFill::carried;
-  if (asked.loop && is_drawn)
+  if (asked.loop && !is_of_frames(asked))
     throw Misuse("--loop is for clips made of footage; " + (option.empty() ? "--fill" : option) +
                  " draws strokes");
   if (asked.loop && *asked.loop < 2)
@@ -73,8 +81,7 @@ void check_pictures(const SynthRequest& asked) {
   if (asked.explain.empty()) return;
   if (fs::path(asked.explain).extension() != ".png")
     throw Misuse("--explain is " + asked.explain + "; it writes a .png");
-  if (asked.fill_kind && *asked.fill_kind != pipeline::ModelFill::footage &&
-      *asked.fill_kind != pipeline::ModelFill::carried)
+  if (!is_of_frames(asked))
     throw Misuse("--explain tells where in the clip pixels come from; drawn strokes (--fill " +
                  std::string(pipeline::name(*asked.fill_kind)) + ") have no such place");
 }

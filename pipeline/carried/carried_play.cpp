@@ -34,12 +34,6 @@ std::size_t index(EventType type) {
   return static_cast<std::size_t>(type);
 }
 
-/// Draws a whole number whose mean is `mean` ≥ 0.
-int draw_count(double mean, core::Rng& rng) {
-  const double whole = std::floor(mean);
-  return static_cast<int>(whole) + (rng.uniform() < mean - whole ? 1 : 0);
-}
-
 EventType reversed(EventType type) {
   using enum EventType;
   constexpr std::array kBackwards = {death, birth, merge, split, disconnect, connect};
@@ -206,7 +200,7 @@ void CarriedPlay::begin_strokes(const Played& played, core::Rng& rng, CarriedMom
   for (const auto& stroke : played.fresh) {
     const bool born = played.step != 0;
     if (born) {
-      const int more = draw_count(edit_.birth_map ? births : std::max(0.0, births - 1), rng);
+      const int more = rng.count(edit_.birth_map ? births : std::max(0.0, births - 1));
       for (int i = 0; i < more; ++i) bear_again(rng);
       moment.operators[index(EventType::birth)] += more;
     }
@@ -287,7 +281,7 @@ void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMo
     }
     ++count;
     if (graph::detail::is_union(type)) continue;
-    const int more = draw_count(std::max(0.0, rate - 1), rng);
+    const int more = rng.count(std::max(0.0, rate - 1));
     for (int i = 0; i < more; ++i)
       if (type == EventType::death)
         end_stroke(rng);
@@ -361,39 +355,15 @@ void CarriedPlay::draw_again(CarriedMoment& moment, std::vector<graph::Vertex>& 
   for (auto& one : again_) {
     const std::size_t age = age_of(one), left = one.life->patches.size() - age;
     const int t = one.life->first + static_cast<int>(age);
-    const auto& graph = clip_->graph(t);
-    const auto& patches = one.life->patches[age];
-    const auto from = age > 0 ? clip_->continued(t - 1, t) : std::vector<int>(graph.size(), -1);
-    std::vector<std::uint32_t> ids;
+    one.shown.go_to(*clip_, t, one.life->patches[age], next_id_);
+    one.shown.add_to(vertices, edges, *clip_, one.offset);
     CarriedStroke stroke{
         t, std::min({1.0, (double(age) + 1) / kFade, double(left) / kFade}), kFit, kBorder, {}};
-    const auto place_of = [](const std::vector<Index>& list, Index v) {
-      return static_cast<std::size_t>(std::ranges::lower_bound(list, v) - list.begin());
-    };
-    for (const Index v : patches) {
-      std::uint32_t id = next_id_;
-      if (from[v] >= 0) {
-        const auto& before = one.life->patches[age - 1];
-        const auto at = place_of(before, static_cast<Index>(from[v]));
-        if (at < before.size() && before[at] == static_cast<Index>(from[v]) &&
-            std::ranges::find(ids, one.ids[at]) == ids.end())
-          id = one.ids[at];
-      }
-      if (id == next_id_) ++next_id_;
-      ids.push_back(id);
-      auto vertex = graph.vertices()[v];
-      const Point seen = vertex.patch.position;
-      vertex.id = {id}, vertex.subgraph = {}, vertex.curve = {};
-      vertex.patch.position = seen + one.offset;
+    for (const Index v : one.shown.patches) {
+      const auto& patch = clip_->graph(t).patch(v);
       stroke.patches.push_back(
-          {vertex.patch.position, seen, vertex.patch.theta, 0, carried_reach(vertex.patch)});
-      vertices.push_back(vertex);
+          {patch.position + one.offset, patch.position, patch.theta, 0, carried_reach(patch)});
     }
-    for (std::size_t i = 0; i < patches.size(); ++i)
-      for (const Index w : graph.neighbours(patches[i]))
-        if (patches[i] < w && std::ranges::binary_search(patches, w))
-          edges.push_back({{ids[i]}, {ids[place_of(patches, w)]}});
-    one.ids = std::move(ids);
     moment.strokes.push_back(std::move(stroke));
   }
 }

@@ -66,7 +66,7 @@ class CarriedPlay {
     const StrokeLife* life = nullptr;
     int begin = 0;  // moment
     graph::Point offset;
-    std::vector<std::uint32_t> ids;  // of its patches now
+    StrokeAgain shown;
   };
   struct Played {  // changes between the previous moment and this one
     int step = 0;  // frames; 0: the first moment, a repeated frame or a jump

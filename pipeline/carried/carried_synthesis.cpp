@@ -18,7 +18,6 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "graph/events/events.hpp"
-#include "graph/matching/time_reversal.hpp"
 #include "mcmc/simulation/linked_frames.hpp"
 #include "pipeline/footage/between_frames.hpp"
 #include "pipeline/footage/motion_scale.hpp"
@@ -29,16 +28,6 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr int kMostRounds = 12;  // of a loop, until its strokes at the end agree with those at the beginning
-
-/// Returns the clip in playing order: backwards where the edit asks for that.
-std::shared_ptr<const SeenClip> played_clip(std::vector<cv::Mat> frames, graph::MotionGraph strokes,
-                                            bool reverse) {
-  if (reverse) {
-    std::ranges::reverse(frames);
-    strokes = graph::reverse_time(strokes);
-  }
-  return std::make_shared<const SeenClip>(std::move(frames), std::move(strokes));
-}
 
 /// Returns the edit in terms of played moments: speed and sense of time belong to the play.
 mcmc::MotionEdit played_edit(mcmc::MotionEdit edit) {

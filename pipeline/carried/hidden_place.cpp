@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <numbers>
 #include <vector>
@@ -23,12 +22,6 @@ constexpr int kLookAhead = 5;         // frames for which the place must stay fr
 constexpr double kStroke = 40;        // grey levels of misfit for a stroke at such a place
 constexpr std::size_t kSampled = 10;  // patches that are examined
 constexpr double kAround = 3;         // px beyond a patch's reach, where its surroundings are compared
-
-const std::uint8_t* pixel(const cv::Mat& frame, Point at) {
-  const int x = std::clamp(static_cast<int>(std::lround(at.x)), 0, frame.cols - 1);
-  const int y = std::clamp(static_cast<int>(std::lround(at.y)), 0, frame.rows - 1);
-  return frame.ptr<std::uint8_t>(y) + static_cast<std::ptrdiff_t>(x) * frame.channels();
-}
 
 bool inside(const cv::Mat& frame, Point at) {
   return at.x >= 0 && at.y >= 0 && at.x <= frame.cols - 1 && at.y <= frame.rows - 1;
@@ -61,14 +54,14 @@ double unlikeness_around(const SeenClip& clip, const graph::Patch& patch, Point 
                          int other) {
   const Point normal{-std::sin(patch.theta), std::cos(patch.theta)};
   const double away = carried_reach(patch) + kAround;
-  const auto &frame = clip.frame(t), &shown = clip.frame(other);
+  const int channels = clip.frame(t).channels();
   double sum = 0;
   for (const double side : {-away, away}) {
     const Point place = at + normal * side;
-    const auto *a = pixel(frame, place), *b = pixel(shown, place + beside);
-    for (int c = 0; c < frame.channels(); ++c) sum += std::abs(double(a[c]) - double(b[c]));
+    const auto *a = clip.pixel(t, place), *b = clip.pixel(other, place + beside);
+    for (int c = 0; c < channels; ++c) sum += std::abs(double(a[c]) - double(b[c]));
   }
-  return sum / (2.0 * frame.channels());
+  return sum / (2.0 * channels);
 }
 
 bool shows_strokes(const SeenClip& clip, int t, std::span<const graph::Patch> patches,

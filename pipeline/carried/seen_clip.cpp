@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "graph/matching/match.hpp"
+#include "graph/matching/time_reversal.hpp"
 
 namespace emberfold::pipeline {
 
@@ -39,6 +40,13 @@ std::vector<StrokeLife> born_strokes(const graph::MotionGraph& strokes,
   }
   std::erase_if(lives, [](const StrokeLife& life) { return life.patches.size() < kShortestLife; });
   return lives;
+}
+
+/// Returns the place of an index in an ascending list; its size where it has none.
+std::size_t place_in(const std::vector<std::uint32_t>& list, std::uint32_t index) {
+  const auto found = std::ranges::lower_bound(list, index);
+  return found != list.end() && *found == index ? static_cast<std::size_t>(found - list.begin())
+                                                : list.size();
 }
 
 /// Displacement of a patch over time across its curve; along it patches slide although nothing moves.
@@ -95,6 +103,51 @@ void SeenClip::find_still() {
     auto& still = still_.emplace_back();
     for (const auto track : now) still.push_back(tracks[track].is_still(size()));
   }
+}
+
+const std::uint8_t* SeenClip::pixel(int t, graph::Point place) const {
+  const cv::Mat& shown = frame(t);
+  const int x = std::clamp(static_cast<int>(std::lround(place.x)), 0, shown.cols - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(place.y)), 0, shown.rows - 1);
+  return shown.ptr<std::uint8_t>(y) + static_cast<std::ptrdiff_t>(x) * shown.channels();
+}
+
+void StrokeAgain::go_to(const SeenClip& clip, int next_frame, const std::vector<std::uint32_t>& next_patches,
+                        std::uint32_t& next_id) {
+  std::vector<std::uint32_t> next_ids;
+  std::vector<char> taken(ids.size());
+  const auto from = frame >= 0 ? clip.continued(frame, next_frame) : std::vector<int>{};
+  for (const auto v : next_patches) {
+    const auto old =
+        from.empty() || from[v] < 0 ? patches.size() : place_in(patches, static_cast<std::uint32_t>(from[v]));
+    const bool goes_on = old < patches.size() && taken[old] == 0;
+    if (goes_on) taken[old] = 1;
+    next_ids.push_back(goes_on ? ids[old] : next_id++);
+  }
+  frame = next_frame, patches = next_patches, ids = std::move(next_ids);
+}
+
+void StrokeAgain::add_to(std::vector<graph::Vertex>& vertices, std::vector<graph::Edge>& edges,
+                         const SeenClip& clip, graph::Point offset) const {
+  const auto& graph = clip.graph(frame);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    auto vertex = graph.vertices()[patches[i]];
+    vertex.id = {ids[i]}, vertex.subgraph = {}, vertex.curve = {};
+    vertex.patch.position = vertex.patch.position + offset;
+    vertices.push_back(vertex);
+    for (const auto w : graph.neighbours(patches[i]))
+      if (const auto at = place_in(patches, w); patches[i] < w && at < patches.size())
+        edges.push_back({{ids[i]}, {ids[at]}});
+  }
+}
+
+std::shared_ptr<const SeenClip> played_clip(std::vector<cv::Mat> frames, graph::MotionGraph strokes,
+                                            bool reverse) {
+  if (reverse) {
+    std::ranges::reverse(frames);
+    strokes = graph::reverse_time(strokes);
+  }
+  return std::make_shared<const SeenClip>(std::move(frames), std::move(strokes));
 }
 
 std::vector<int> SeenClip::continued(int from, int to) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -35,6 +36,8 @@ class SeenClip {
   /// Returns for each vertex of frame `to` the index of the vertex that it continues in frame `from`, or −1.
   /// Matches frames that are not neighbours. O(vertices log vertices).
   [[nodiscard]] std::vector<int> continued(int from, int to) const;
+  /// Returns the levels of the pixel of frame t next to a place; beyond the border those at it.
+  [[nodiscard]] const std::uint8_t* pixel(int t, graph::Point place) const;
   /// Returns the events between frame t − 1 and t ≥ 1, with the patches that appeared or vanished.
   [[nodiscard]] const std::vector<graph::TracedEvent>& events(int t) const {
     return events_[static_cast<std::size_t>(t)];
@@ -62,5 +65,24 @@ class SeenClip {
   std::vector<graph::detail::PointGrid> places_;
   std::vector<std::vector<bool>> still_;  // by frame and vertex
 };
+
+/// A stroke of the clip as it was in one of its frames, under ids of its own.
+struct StrokeAgain {
+  int frame = -1;                      ///< −1: not shown yet
+  std::vector<std::uint32_t> patches;  ///< vertex indices, ascending
+  std::vector<std::uint32_t> ids;      ///< of each patch
+
+  /// Shows the stroke in another frame, with these patches. Those that links carry on keep their ids, others
+  /// get new ones from `next_id` on.
+  void go_to(const SeenClip& clip, int next_frame, const std::vector<std::uint32_t>& next_patches,
+             std::uint32_t& next_id);
+  /// Adds its patches, `offset` px from where they were, and the edges between them.
+  void add_to(std::vector<graph::Vertex>& vertices, std::vector<graph::Edge>& edges, const SeenClip& clip,
+              graph::Point offset) const;
+};
+
+/// Returns a clip in playing order, backwards where `reverse` is set.
+std::shared_ptr<const SeenClip> played_clip(std::vector<cv::Mat> frames, graph::MotionGraph strokes,
+                                            bool reverse);
 
 }  // namespace emberfold::pipeline

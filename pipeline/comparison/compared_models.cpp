@@ -146,7 +146,6 @@ std::vector<ComparedModel> learn_models(const TrainingInput& input, const KnownM
   };
   const auto strokes = learn_strokes(input, known);
   if (strokes) add(sketch_model(strokes, input.seed, input.context));
-  if (strokes && input.options.in_full) add(hybrid_model(strokes, input));
   add(footage_model(input, known));
   add(texture_model(input, known, input.options.learn.components));
   if (input.options.in_full) add(star_model(input, dytex::StarOptions{}.reach));

@@ -58,9 +58,6 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
 /// Returns the model of moving strokes with diffusion between them.
 ComparedModel sketch_model(const std::shared_ptr<const StrokeModel>& strokes, std::uint64_t seed,
                            const core::Context& context);
-/// Learns a linear dynamic texture with the strokes hidden, and returns the model of both together.
-std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const StrokeModel>& strokes,
-                                          const TrainingInput& input);
 /// Learns a linear dynamic texture with `components` components from frames reduced by `scale` (0 … 1].
 std::optional<ComparedModel> texture_model(const TrainingInput& input, const KnownModels& known,
                                            int components, double scale = 1);

@@ -8,20 +8,18 @@
 #include "core/clip/clip_range.hpp"
 #include "core/context.hpp"
 #include "core/error.hpp"
-#include "dytex/synthesize.hpp"
 #include "graph/events/events.hpp"
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/simulation/event_statistics.hpp"
 #include "mcmc/simulation/predict.hpp"
 #include "mcmc/simulation/synthesize.hpp"
-#include "pipeline/background_texture.hpp"
 #include "pipeline/calibration.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/comparison/compared_models.hpp"
 #include "pipeline/frame_synthesis.hpp"
 #include "pipeline/parameter_count.hpp"
-#include "sketch/rendering/render.hpp"
+#include "sketch/rendering/frame_renderer.hpp"
 
 namespace emberfold::pipeline {
 
@@ -65,37 +63,6 @@ cv::Mat draw_strokes(const StrokeModel& strokes, const PastFrames& past, int ste
 float mean_level(core::FrameSource& source) {
   source.rewind();
   return static_cast<float>(cv::mean(core::luma(source.next(), source.info()))[0]);
-}
-
-// Returns the texture's state that best fits the pixels between a frame's strokes. Hidden pixels are filled
-// from the texture and the projection is repeated; this converges to least squares over the visible pixels.
-Eigen::VectorXd state_between(const dytex::LinearDynamicTexture& texture, const cv::Mat& levels,
-                              const graph::AttributeGraph& graph) {
-  constexpr int kRounds = 5;
-  const auto hidden = sketch::draw_fitted(graph, levels.size(), levels.channels()).mask;
-  cv::Mat filled = levels.clone();
-  Eigen::VectorXd state = Eigen::VectorXd::Zero(texture.components());
-  for (int round = 0; round < kRounds; ++round) {
-    dytex::draw(texture, state).copyTo(filled, hidden);
-    state = dytex::project(texture, filled);
-  }
-  return dytex::expected_state(texture, state);
-}
-
-// Draws the frames at each number of steps (ascending; 0: itself) after the newest one.
-std::vector<cv::Mat> draw_hybrid(const StrokeModel& strokes, const dytex::LinearDynamicTexture& texture,
-                                 const PastFrames& past, std::span<const int> steps) {
-  const auto& levels = past.levels.back();
-  const auto level = static_cast<float>(cv::mean(core::luma(levels))[0]);
-  Eigen::VectorXd state = state_between(texture, levels, strokes.graph(past, 0));
-  std::vector<cv::Mat> drawn;
-  for (int i = 0; drawn.size() < steps.size(); ++i) {
-    if (i > 0) state = texture.A * state;
-    if (i == steps[drawn.size()])
-      drawn.push_back(sketch::render_frame(
-          {strokes.graph(past, i), core::to_bytes(dytex::draw(texture, state))}, strokes.look(level, {})));
-  }
-  return drawn;
 }
 
 double ground_numbers(const sketch::Background& ground) {
@@ -181,35 +148,6 @@ ComparedModel sketch_model(const std::shared_ptr<const StrokeModel>& strokes, st
     return predicted;
   };
   model.reconstruct = [strokes](const PastFrames& past) { return draw_strokes(*strokes, past, 0); };
-  return model;
-}
-
-std::optional<ComparedModel> hybrid_model(const std::shared_ptr<const StrokeModel>& strokes,
-                                          const TrainingInput& input) {
-  const core::Context& context = input.context;
-  core::ClipRange learned_part(input.source, 0, input.learned_frames);
-  auto learned = learn_or_warn("no hybrid", input.context, [&] {
-    return learn_background_texture(
-        learned_part, std::span(strokes->sketches).first(static_cast<std::size_t>(input.learned_frames)), {},
-        context);
-  });
-  if (!learned) return std::nullopt;
-  for (const auto& note : learned->notes) input.context.warn("hybrid: " + note);
-  const auto texture = std::make_shared<const dytex::LinearDynamicTexture>(std::move(learned->texture));
-  ComparedModel model{"hybrid", "hybrid"};
-  model.parameters = parameter_count(strokes->model) + parameter_count(*texture);
-  model.begin_clip = [strokes, texture, seed = input.seed, context]() -> ComparedModel::NextFrames {
-    const auto frames =
-        std::make_shared<FrameSynthesis>(hybrid_frames(strokes->drawn, texture, strokes->drawn_look(), seed));
-    return [frames, context](int count) { return frames->next(count, context); };
-  };
-  model.predict = [strokes, texture](const PastFrames& past, std::span<const int> steps) {
-    return draw_hybrid(*strokes, *texture, past, steps);
-  };
-  model.reconstruct = [strokes, texture](const PastFrames& past) {
-    const int itself = 0;
-    return draw_hybrid(*strokes, *texture, past, std::span(&itself, 1)).front();
-  };
   return model;
 }
 

@@ -120,10 +120,7 @@ std::vector<graph::Event> read_events(const io::Columns& columns) {
 nlohmann::json learned_json(const LearnedModel& learned) {
   auto rates = nlohmann::json::array();
   for (const auto& rate : learned.rates) rates.push_back({rate.mean, rate.low, rate.high});
-  nlohmann::json text = {{"rates", rates}, {"notes", learned.notes}};
-  if (const auto& texture = learned.texture)
-    text["texture"] = {texture->components, texture->hidden_share, texture->r};
-  return text;
+  return {{"rates", rates}, {"notes", learned.notes}};
 }
 
 void read_learned(const nlohmann::json& text, LearnedModel& learned) {
@@ -132,8 +129,6 @@ void read_learned(const nlohmann::json& text, LearnedModel& learned) {
     learned.rates[i] = {rate.at(0), rate.at(1), rate.at(2)};
   }
   learned.notes = text.at("notes").get<std::vector<std::string>>();
-  if (text.contains("texture"))
-    learned.texture = {text.at("texture").at(0), text.at("texture").at(1), text.at("texture").at(2)};
 }
 
 /// Returns a fingerprint of the stored model; what was stored with it applies to this model alone.
@@ -221,7 +216,7 @@ std::optional<LearnedModel> AnalysisStages::read_model() const {
     const auto text = nlohmann::json::parse(columns->text);
     const auto archive = io::read_model(run_ / "model", io::kMotionFormat);
     if (text.at("model") != model_mark(archive)) return std::nullopt;
-    LearnedModel learned{clip_model(archive), {}, {}, {}};
+    LearnedModel learned{clip_model(archive), {}, {}};
     read_learned(text, learned);
     return learned;
   } catch (const std::exception&) {

@@ -31,7 +31,6 @@ struct LearnedModel {
   ClipModel model;
   std::array<mcmc::RateInterval, 6> rates{};
   std::vector<std::string> notes;
-  std::optional<LearnedTexture> texture;
 };
 
 /// Stores the results of each stage of analyze() in the folder `stages` of a run, as columns

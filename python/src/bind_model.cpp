@@ -37,7 +37,7 @@ py::array synthesize(const HeldModel& given, int frames, const py::object& progr
   if (const auto why = pipeline::why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
   const auto usual = model.footage ? pipeline::ModelFill::footage : pipeline::ModelFill::diffusion;
   const auto fill = how.fill_kind.value_or(usual);
-  if (fill != pipeline::ModelFill::footage && fill != pipeline::ModelFill::carried)
+  if (fill == pipeline::ModelFill::diffusion)
     run_interruptibly(progress,
                       [&](const core::Context& context) { pipeline::correct_rates(model, context); });
   const auto info = pipeline::ClipSynthesis(model, how).info();
@@ -111,9 +111,8 @@ void bind_model_options(py::module_& module) {
   py::enum_<pipeline::ModelFill>(module, "ModelFill", doc("pipeline::ModelFill"))
       .value("footage", pipeline::ModelFill::footage)
       .value("carried", pipeline::ModelFill::carried)
-      .value("diffusion", pipeline::ModelFill::diffusion)
-      .value("texture", pipeline::ModelFill::texture)
-      .value("dytex", pipeline::ModelFill::dytex);
+      .value("strokes", pipeline::ModelFill::strokes)
+      .value("diffusion", pipeline::ModelFill::diffusion);
   py::enum_<mcmc::Start>(module, "Start", doc("mcmc::Start"))
       .value("data", mcmc::Start::data)
       .value("stationary", mcmc::Start::stationary);
@@ -136,7 +135,6 @@ void bind_uses(py::class_<HeldModel>& model) {
             return m.motion;
           },
           doc("mcmc::MotionModel"))
-      .def_property_readonly("texture", [](const HeldModel& m) { return m.texture; })
       .def_property_readonly(
           "rates",
           [](HeldModel& m) -> mcmc::OperatorRates& {

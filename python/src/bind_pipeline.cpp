@@ -36,7 +36,6 @@ void bind_options(py::module_& module) {
       .field("starts", &Options::starts)
       .field("infer", &Options::infer)
       .field("calibrate", &Options::calibrate)
-      .field("texture", &Options::texture)
       .field("bottom_up", &Options::bottom_up)
       .field("curve_events", &Options::curve_events)
       .field("sample", &Options::sample)

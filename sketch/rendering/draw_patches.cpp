@@ -53,9 +53,8 @@ void add(const graph::Patch& blob, const BlobShape& shape, int x, int y, double 
         weight * (shares.left * left[c] + shares.middle * middle[c] + shares.right * right[c]));
 }
 
-void add(const std::array<float, 2>& a, const std::array<float, 2>& b, double s, double weight, float* sum) {
-  for (std::size_t i = 0; i < 2; ++i)
-    sum[i] += static_cast<float>(weight * interpolate(double{a[i]}, double{b[i]}, s));
+void add(float a, float b, double s, double weight, float* sum) {
+  *sum += static_cast<float>(weight * interpolate(double{a}, double{b}, s));
 }
 
 /// Divides the sums of each pixel, `count` of them, by its weight.
@@ -75,7 +74,7 @@ void draw_patches(const graph::AttributeGraph& graph, PatchValues values, const 
     const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(planes.size.width) +
                            static_cast<std::size_t>(x);
     add_levels(planes.levels + at * static_cast<std::size_t>(channels));
-    if (planes.values != nullptr) add_values(planes.values + 2 * at);
+    if (planes.values != nullptr) add_values(planes.values + at);
     planes.weights[at] += static_cast<float>(weight);
     planes.mask[at] = 255;
   };
@@ -97,7 +96,7 @@ void draw_patches(const graph::AttributeGraph& graph, PatchValues values, const 
         [&](float* sum) { add(values[i], values[i], 0, w, sum); });
   });
   divide(planes, planes.levels, static_cast<std::size_t>(channels));
-  if (planes.values != nullptr) divide(planes, planes.values, 2);
+  if (planes.values != nullptr) divide(planes, planes.values, 1);
 }
 
 }  // namespace emberfold::sketch

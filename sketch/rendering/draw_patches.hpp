@@ -2,7 +2,6 @@
 // For the sketch library's own sources and the page of a motion model; not installed.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
@@ -12,7 +11,7 @@
 
 namespace emberfold::sketch {
 
-using PatchValues = std::span<const std::array<float, 2>>;
+using PatchValues = std::span<const float>;
 
 /// Refers to what patches are drawn into: arrays of a frame's pixels, row by row, zeros at the beginning.
 struct PatchPlanes {
@@ -21,11 +20,11 @@ struct PatchPlanes {
   float* levels = nullptr;  ///< `channels` numbers a pixel, white = 255
   float* weights = nullptr;
   std::uint8_t* mask = nullptr;  ///< becomes 255 where a patch lies
-  float* values = nullptr;       ///< two numbers a pixel, or none
+  float* values = nullptr;       ///< a number a pixel, or none
 };
 
 /// Draws the patches that are no anchors, as draw_fitted (render.hpp) says, without OpenCV's functions.
-/// `values`: two of each patch, interpolated into planes.values; may be empty where that is none.
+/// `values`: one of each patch, interpolated into planes.values; may be empty where that is none.
 void draw_patches(const graph::AttributeGraph& graph, PatchValues values, const PatchPlanes& planes);
 
 }  // namespace emberfold::sketch

@@ -113,8 +113,4 @@ void blend_with_fill(sketch::Sketchable& part, const cv::Mat& opacity, const Bac
   blend(part, opacity, from, whole);
 }
 
-void blend_with_background(sketch::Sketchable& part, const cv::Mat& opacity, const cv::Mat& background) {
-  blend(part, opacity, background, background);
-}
-
 }  // namespace emberfold::sketch

@@ -20,8 +20,4 @@ constexpr float kOpaque = 0.999F;
 void blend_with_fill(sketch::Sketchable& part, const cv::Mat& opacity, const BackgroundImage& background,
                      float empty_level);
 
-/// Blends the patches that are not opaque with a given background. `background`: CV_32F, as the levels of
-/// `part`.
-void blend_with_background(sketch::Sketchable& part, const cv::Mat& opacity, const cv::Mat& background);
-
 }  // namespace emberfold::sketch

@@ -2,12 +2,10 @@
 #include "sketch/rendering/frame_renderer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
@@ -15,14 +13,10 @@
 #include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/fade_levels.hpp"
 #include "sketch/rendering/patch_contrast.hpp"
-#include "sketch/rendering/relight.hpp"
 
 namespace emberfold::sketch {
 
 namespace {
-constexpr double joint_reach = 8;  // px within which a ground takes the strokes' levels
-
-constexpr double detail_scale = 4;  // px, SD: what is finer in a ground goes on through lines
 
 template <class Change>
 graph::AttributeGraph transform_patches(const graph::AttributeGraph& graph, const Change& change) {
@@ -37,8 +31,7 @@ struct DrawnStrokes {
   cv::Mat opacity;  ///< CV_32F, 0…1; empty: all opaque
 };
 
-graph::AttributeGraph adjust_patches(const FrameContent& content, const RenderOptions& options,
-                                     const cv::Mat& background) {
+graph::AttributeGraph adjust_patches(const FrameContent& content, const RenderOptions& options) {
   const bool as_fitted = options.blur_share == 1 && options.contrast_gain == 1;
   auto sharp =
       as_fitted ? content.graph : transform_patches(content.graph, [&](std::size_t, graph::Patch& patch) {
@@ -46,51 +39,28 @@ graph::AttributeGraph adjust_patches(const FrameContent& content, const RenderOp
         raise_contrast(patch, static_cast<float>(options.contrast_gain));
       });
   if (!options.new_places) return sharp;
-  const auto placed =
-      clamp_levels(background.empty() ? sharp : relight(sharp, background), options.background.level_range);
+  const auto placed = clamp_levels(sharp, options.background.level_range);
   return transform_patches(placed, [&](std::size_t i, graph::Patch& patch) {
     if (graph::is_anchor(patch)) patch = content.graph.patch(i);
   });
 }
 
-/// Continues the background's detail through lines, whose profile is a mean along the crease.
-void add_detail(cv::Mat& levels, const cv::Mat& background, const cv::Mat& lines) {
-  cv::Mat smooth, detail, shares;
-  cv::GaussianBlur(background, smooth, {}, detail_scale);
-  detail = background - smooth;
-  cv::merge(std::vector<cv::Mat>(static_cast<std::size_t>(levels.channels()), lines), shares);
-  levels += detail.mul(shares);
-}
-
-/// The strokes of a frame; those that come and go are drawn between `ground` (or what would be there without
-/// them) and themselves.
+/// The strokes of a frame; those that come and go are drawn between what would be there without them and
+/// themselves.
 DrawnStrokes draw_strokes(const FrameContent& content, const RenderOptions& options,
-                          const BackgroundImage& still, const cv::Mat& background) {
-  const bool detailed = options.new_places && !background.empty();
-  const auto graph = adjust_patches(content, options, background);
+                          const BackgroundImage& still) {
+  const auto graph = adjust_patches(content, options);
   const bool all_there = std::ranges::all_of(content.opacity, [](float share) { return share >= kOpaque; });
   const auto behind_backdrop = [&](sketch::Sketchable drawn) {
     if (!still.fixed.empty()) drawn.mask.setTo(0, still.fixed);
     return drawn;
   };
-  if ((all_there && !detailed) || graph.size() == 0)
+  if (all_there || graph.size() == 0)
     return {behind_backdrop(sketch::draw_fitted(graph, options.size, options.channels)), {}};
-  std::vector<std::array<float, 2>> shares;  // opacity, share of lines
-  for (std::size_t i = 0; i < graph.size(); ++i)
-    shares.push_back(
-        {content.opacity.empty() ? 1 : content.opacity[i], graph::on_step(graph.patch(i)) ? 0.0F : 1.0F});
-  auto [whole, values] = sketch::draw_fitted(graph, options.size, options.channels, shares);
+  auto [whole, opacity] = sketch::draw_fitted(graph, options.size, options.channels, content.opacity);
   sketch::Sketchable part = behind_backdrop(std::move(whole));
-  std::array<cv::Mat, 2> drawn;
-  cv::split(values, drawn.data());
-  const auto& [opacity, lines] = drawn;
-  if (detailed) add_detail(part.levels, background, lines);
-  if (all_there) return {std::move(part), {}};
-  if (background.empty())
-    blend_with_fill(part, opacity, still, options.empty_level);
-  else
-    blend_with_background(part, opacity, background);
-  return {std::move(part), opacity};
+  blend_with_fill(part, opacity, still, options.empty_level);
+  return {std::move(part), std::move(opacity)};
 }
 }  // namespace
 
@@ -120,14 +90,9 @@ FrameRenderer::FrameRenderer(const RenderOptions& options)
     : options_(options), still_(expand_background(options.background, options.size, options.channels)) {}
 
 cv::Mat FrameRenderer::draw(const FrameContent& content) const {
-  cv::Mat background;
-  if (!content.background.empty()) content.background.convertTo(background, CV_32F);
-  const auto [part, opacity] = draw_strokes(content, options_, still_, background);
-  if (!background.empty())
-    return core::to_bytes(sketch::fill_onto(part.levels, part.mask, background, joint_reach).levels);
+  const auto [part, opacity] = draw_strokes(content, options_, still_);
   const auto empty = cv::Scalar::all(static_cast<double>(options_.empty_level));
   cv::Mat levels = render_around(part, empty, still_, opacity).levels;
-  if (!content.residual.empty()) cv::add(levels, content.residual, levels, cv::noArray(), CV_32F);
   paste_static_pixels(levels, still_);
   return core::to_bytes(levels);
 }

@@ -33,19 +33,16 @@ struct RenderOptions {
   Background background = {};
   double blur_share = 1;     ///< of their fitted blur that patches are drawn with, 0…1 (sharpening.hpp)
   double contrast_gain = 1;  ///< of their contrast, ≥ 1
-  /// The patches come from a model and lie at new places: they take the levels of the background there
-  /// (relight.hpp), and none that the clip never shows there (level_range.hpp).
+  /// The patches come from a model and lie at new places: they take no level that the clip never shows there
+  /// (level_range.hpp).
   bool new_places = false;
 };
 
-/// Holds the content of one frame: its patches and the background between them.
+/// Holds the content of one frame.
 struct FrameContent {
   graph::AttributeGraph graph;
-  /// CV_8U, as the frame: the strokes are joined into it. Empty: RenderOptions.background and the fill.
-  cv::Mat background = {};
   /// Opacity of each patch, 0…1, for patches that fade in or out (fade_in_out.hpp). Empty: all opaque.
   std::vector<float> opacity = {};
-  cv::Mat residual = {};  ///< CV_8S, as the frame: added everywhere but at static pixels
 };
 
 /// Returns the patches of opacity 0.5 and more, with the edges between them.
@@ -55,9 +52,8 @@ graph::AttributeGraph visible_patches(const FrameContent& content);
 class FrameRenderer {
  public:
   explicit FrameRenderer(const RenderOptions& options);
-  /// Draws a frame, CV_8U. Patches are drawn from their attributes. Around them lies the frame's own
-  /// background, joined to the levels of the strokes; without one, the still background away from the patches
-  /// and a fill elsewhere.
+  /// Draws a frame, CV_8U. Patches are drawn from their attributes. Around them lies the still background,
+  /// away from the patches, and a fill elsewhere.
   [[nodiscard]] cv::Mat draw(const FrameContent& content) const;
 
  private:

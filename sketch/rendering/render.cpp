@@ -2,7 +2,6 @@
 #include "sketch/rendering/render.hpp"
 
 #include <algorithm>
-#include <array>
 #include <span>
 #include <string>
 
@@ -24,16 +23,15 @@ AttributedSketch draw(const graph::AttributeGraph& graph, cv::Size size, int cha
   check_frame(size, channels);
   AttributedSketch result{
       {cv::Mat(size, CV_32FC(channels), cv::Scalar::all(0)), cv::Mat(size, CV_8U, cv::Scalar(0))},
-      values.empty() ? cv::Mat{} : cv::Mat(size, CV_32FC2, cv::Scalar::all(0))};
+      values.empty() ? cv::Mat{} : cv::Mat(size, CV_32F, cv::Scalar(0))};
   cv::Mat weights(size, CV_32F, cv::Scalar(0));
   draw_patches(graph, values,
                {size, channels, result.part.levels.ptr<float>(), weights.ptr<float>(), result.part.mask.ptr(),
                 values.empty() ? nullptr : result.values.ptr<float>()});
   result.part = hold_anchors(result.part, graph);
   if (!values.empty())
-    visit_anchors(graph, size, [&](std::size_t i, int x, int y) {
-      result.values.at<cv::Vec2f>(y, x) = {values[i][0], values[i][1]};
-    });
+    visit_anchors(graph, size,
+                  [&](std::size_t i, int x, int y) { result.values.at<float>(y, x) = values[i]; });
   return result;
 }
 
@@ -44,7 +42,7 @@ double Sketchable::share() const {
 }
 
 AttributedSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels,
-                             std::span<const std::array<float, 2>> values) {
+                             std::span<const float> values) {
   if (values.size() != graph.size())
     throw core::InputError("render: " + std::to_string(values.size()) + " numbers are told of " +
                            std::to_string(graph.size()) + " patches");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <span>
 
 #include <opencv2/core/mat.hpp>
@@ -32,15 +31,15 @@ struct Sketchable {
 /// mask), beside clearing the frame.
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels);
 
-/// Holds a drawn sketch and two further values at each of its pixels.
+/// Holds a drawn sketch and a further value at each of its pixels.
 struct AttributedSketch {
   Sketchable part;
-  cv::Mat values;  ///< CV_32FC2, 0 off the mask
+  cv::Mat values;  ///< CV_32F, 0 off the mask
 };
-/// Draws the patches, and interpolates two values of each patch with the weights of its levels. `values`: one
-/// pair for each patch, by index; throws core::InputError for another number of them.
+/// Draws the patches, and interpolates a value of each patch with the weights of its levels. `values`: one
+/// for each patch, by index; throws core::InputError for another number of them.
 AttributedSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels,
-                             std::span<const std::array<float, 2>> values);
+                             std::span<const float> values);
 
 /// Copies the frame's own pixels where draw_fitted would draw, but anchors keep their levels. `levels`:
 /// CV_32F, 1 or 3 channels.

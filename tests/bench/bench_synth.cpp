@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// New frames of a model of swaying strokes, drawn in colour on two threads: graphs, strokes and what lies
-// between.
+// New frames of a model of swaying strokes, drawn in colour on two threads: graphs, strokes and what diffuses
+// between them.
 #include <cstddef>
-#include <memory>
 
 #include <benchmark/benchmark.h>
 
 #ifdef EMBERFOLD_BENCH_APPS
 
 #include "core/parallel.hpp"
-#include "core/rng.hpp"
 #include "graph/matching/match.hpp"
 #include "mcmc/learning/fit.hpp"
 #include "pipeline/frame_synthesis.hpp"
@@ -27,26 +25,6 @@ mcmc::MotionModel learned_model(std::size_t patches) {
   sketch.width = kSize.width, sketch.height = kSize.height;
   for (int t = 0; t < kFrames; ++t) sketch.append(bench::swaying(patches, t));
   return mcmc::fit(graph::match(std::move(sketch), {})).model;
-}
-
-/// Thirty components of noise, each decaying on its own.
-std::shared_ptr<const dytex::LinearDynamicTexture> made_texture() {
-  constexpr Eigen::Index n = 30;
-  const auto texture = std::make_shared<dytex::LinearDynamicTexture>();
-  const Eigen::Index m = Eigen::Index{kSize.width} * kSize.height * 3;
-  texture->info = {kSize.width, kSize.height, 3, CV_8U, 25, 255, 100};
-  texture->mean = Eigen::VectorXf::Constant(m, 100);
-  core::Rng rng(1);
-  texture->C.resize(m, n);
-  for (Eigen::Index i = 0; i < texture->C.size(); ++i)
-    texture->C.data()[i] = static_cast<float>(rng.uniform(-1, 1));
-  texture->C.colwise().normalize();
-  texture->weights = Eigen::VectorXd::Ones(n);
-  texture->A = 0.9 * Eigen::MatrixXd::Identity(n, n);
-  texture->B = 300 * Eigen::MatrixXd::Identity(n, n);
-  texture->states = Eigen::MatrixXd::Zero(n, 100);
-  texture->singular = Eigen::VectorXd::Zero(100);
-  return texture;
 }
 
 void draw(benchmark::State& state, pipeline::FrameSynthesis frames) {
@@ -69,13 +47,7 @@ void synth_diffusion(benchmark::State& state) {
   draw(state, {mcmc::Synthesis(model, 1), colour_look(model)});
 }
 
-void synth_dytex(benchmark::State& state) {
-  const auto model = learned_model(static_cast<std::size_t>(state.range(0)));
-  draw(state, pipeline::hybrid_frames(model, made_texture(), colour_look(model), 1));
-}
-
 BENCHMARK(synth_diffusion)->Arg(200)->Arg(800)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(synth_dytex)->Arg(200)->Arg(800)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All of a motion model's folder but its texture, as one run of bytes: see archive.hpp.
+// All of a motion model's folder, as one run of bytes: see archive.hpp.
 #include "pipeline/clip_model.hpp"
 
 #include "tests/fuzz/archive.hpp"

@@ -18,9 +18,9 @@ using namespace emberfold::test;
 
 namespace {
 
-const std::vector<std::string> kDrawn{
-    "synthesized_motion.avi", "synthesized_hybrid.avi", "synthesized_footage.avi", "synthesized_dytex.avi",
-    "synthesized_star.avi",   "video_loop.avi",         "contact_sheet.png"};
+const std::vector<std::string> kDrawn{"synthesized_motion.avi", "synthesized_footage.avi",
+                                      "synthesized_dytex.avi",  "synthesized_star.avi",
+                                      "video_loop.avi",         "contact_sheet.png"};
 
 std::string write_clip(const fs::path& path, const core::Clip& clip) {
   const auto writer = io::create_video(path, clip.frames[0].size(), 25, clip.frames[0].channels() == 3);
@@ -68,12 +68,11 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
   CHECK(measures["prediction"]["first_frame"] == 20);
   CHECK(measures["prediction"]["steps"] == Json({1, 2, 4, 8}));
   for (const char* way :
-       {"motion_model", "hybrid", "footage", "linear_dynamic_texture", "star", "frame_before", "mean_image"})
+       {"motion_model", "footage", "linear_dynamic_texture", "star", "frame_before", "mean_image"})
     CHECK(measures["prediction"]["methods"][way]["psnr"] > 10);
-  for (const char* way : {"motion_model", "hybrid", "linear_dynamic_texture"})
+  for (const char* way : {"motion_model", "linear_dynamic_texture"})
     CHECK(measures["reconstruction"][way]["ssim"] > 0.1);
-  for (const char* way :
-       {"motion_model", "hybrid", "footage", "linear_dynamic_texture", "star", "noise_floor"})
+  for (const char* way : {"motion_model", "footage", "linear_dynamic_texture", "star", "noise_floor"})
     for (const char* measure : {"temporal_db", "radial_db", "autocorrelation", "patterns", "flow_px",
                                 "crease_sharpness", "si", "ti", "stroke_events"})
       CHECK(measures["synthesis"][way][measure] >= 0);
@@ -82,7 +81,7 @@ TEST_CASE("compare holds a clip against its models and writes all that it names"
   CHECK(measures["words"].size() >= 8);
   const auto& curves = measures["curves"];
   CHECK(curves["temporal_db"]["source"].size() == 8);
-  CHECK(curves["radial_db"]["hybrid"].size() == 30);
+  CHECK(curves["radial_db"]["footage"].size() == 30);
   CHECK(curves["autocorrelation"]["star"].size() == 5);
   for (const auto& name : kDrawn)
     if (name.ends_with(".avi"))
@@ -118,7 +117,7 @@ TEST_CASE("compare draws clips of any length and predicts with what it may learn
   };
   const auto longer = run({"--frames", "40"});
   CHECK(longer["synthesis"]["frames"] == 40);
-  CHECK(longer["models"].size() == 6);
+  CHECK(longer["models"].size() == 5);
   CHECK(
       core::read_all(*apps::open_clip((temp / "out/synthesized_dytex.avi").string(), {}, {})).frames.size() ==
       40);

@@ -24,9 +24,8 @@ struct Learned {
 
   Learned() {
     const auto clip = write_strokes(temp / "clip.avi", {160, 120}, 24, 9);
-    REQUIRE(run_command({"analyze", clip, "-o", (temp / "run").string(), "-q", "--quality", "draft",
-                         "--texture", "3"})
-                .exit == 0);
+    REQUIRE(run_command({"analyze", clip, "-o", (temp / "run").string(), "-q", "--quality", "draft"}).exit ==
+            0);
     model = (temp / "run/model").string();
   }
 
@@ -61,15 +60,14 @@ TEST_CASE("a clip drawn of an edited model is that of synth with the same edits"
   cv::imwrite(mask, picture);
   struct Case {
     std::vector<std::string> edits, of_synth, of_edit;  // the rates are settings of synth
-    std::string fill = "diffusion";
   };
   const std::vector<Case> cases{{{"--speed", "1.5", "--contrast", "1.4"}, {}, {}},
                                 {{"--wind", "-1,0.5", "--birth-map", mask}, {}, {}},
                                 {{"--flicker", "2"},
                                  {"--set", "synth.splits=3", "--set", "synth.deaths=0.5"},
                                  {"--splits", "3", "--deaths", "0.5"}},
-                                {{"--reverse", "--speed", "2"}, {}, {}, "texture"},
-                                {{"--reverse", "--speed", "0.5"}, {}, {}, "dytex"}};
+                                {{"--reverse", "--speed", "2"}, {}, {}}};
+  const auto plain = made.draw(made.model, "plain", {"--fill", "diffusion"});
   int number = 0;
   for (const auto& one : cases) {
     const auto name = "edited" + std::to_string(number++);
@@ -78,10 +76,9 @@ TEST_CASE("a clip drawn of an edited model is that of synth with the same edits"
                                          join(one.edits, one.of_edit)));
     INFO(edited.err);
     REQUIRE(edited.exit == 0);
-    const auto plain = made.draw(made.model, name + "_plain", {"--fill", one.fill});
     const auto wanted =
-        made.draw(made.model, name + "_synth", join({"--fill", one.fill}, join(one.edits, one.of_synth)));
-    CHECK(made.draw(folder, name + "_drawn", {"--fill", one.fill}) == wanted);
+        made.draw(made.model, name + "_synth", join({"--fill", "diffusion"}, join(one.edits, one.of_synth)));
+    CHECK(made.draw(folder, name + "_drawn", {"--fill", "diffusion"}) == wanted);
     CHECK(wanted != plain);
     CHECK_FALSE(pipeline::clip_model(io::read_model(folder, io::kMotionFormat)).footage);
   }
@@ -89,19 +86,16 @@ TEST_CASE("a clip drawn of an edited model is that of synth with the same edits"
         made.draw((made.temp / "edited0").string(), "asked", {"--fill", "diffusion"}));
 }
 
-TEST_CASE("motion info and dytex info tell how many parameters a model has") {
+TEST_CASE("motion info tells how many parameters a model has") {
   const auto& made = learned();
   const auto told = Json::parse(run_command({"motion", "info", made.model, "--json"}).out);
   const auto model = mcmc::motion_model(io::read_model(made.model, io::kMotionFormat));
   CHECK(told["parameters"] == pipeline::parameter_count(model));
   CHECK(told["width"] == 160);
-  CHECK(told["fills"] == Json({"diffusion", "footage", "carried", "texture", "dytex"}));
+  CHECK(told["fills"] == Json({"diffusion", "footage", "carried", "strokes"}));
   const auto table = run_command({"motion", "info", made.model}).out;
   CHECK(contains(
       table, "parameters            " + std::to_string(static_cast<long>(pipeline::parameter_count(model)))));
-  const auto texture = Json::parse(run_command({"dytex", "info", made.model + "/texture", "--json"}).out);
-  const double m = 160 * 120 * texture["channels"].get<double>(), n = texture["components"];
-  CHECK(texture["parameters"] == m + m * n + n * n + n * texture["noise_inputs"].get<double>());
 }
 
 TEST_CASE("motion edit tells misuse in the option's name and leaves nothing behind") {

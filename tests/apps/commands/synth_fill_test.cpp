@@ -9,114 +9,35 @@
 #include "core/model_arrays.hpp"
 #include "graph/io/motion_io.hpp"
 #include "pipeline/clip_model.hpp"
-#include "pipeline/clip_synthesis.hpp"
-#include "pipeline/frame_synthesis.hpp"
 #include "tests/apps/commands/learned_clip.hpp"
 
 using namespace emberfold;
 using namespace emberfold::apps;
 using namespace emberfold::test;
 
-TEST_CASE("analyze learns what lies between strokes where asked, and synth draws it in step", "[slow]") {
-  const LearnedClip made(24);
-  const auto folder = (made.temp / "b").string(), model = folder + "/model";
-  for (const char* threads : {"1", "4"}) {
-    const std::string name = folder + (threads[0] == '1' ? "" : threads);
-    REQUIRE(run_command({"analyze", made.clip, "-o", name, "--bottom-up", "--texture", "4", "--threads",
-                         threads, "-q"})
-                .exit == 0);
-    REQUIRE(run_command({"synth", name + "/model", "-o", name + "/new.avi", "--frames", "30", "--fill",
-                         "dytex", "--threads", threads, "-q"})
-                .exit == 0);
-  }
-  for (const char* file : {"model/texture/C.npy", "model/texture/states.npy", "new.avi"})
-    CHECK(bytes_of(fs::path(folder) / file) == bytes_of(fs::path(folder + "4") / file));
-  const Json summary = summary_of(fs::path(folder));
-  CHECK(summary["model"]["texture"]["components"] == 4);
-  CHECK(summary["model"]["texture"]["hidden_share"] > 0.02);
-  CHECK(summary["seconds"].contains("texture"));
-  // The texture is one of its own right.
-  CHECK(run_command({"dytex", "info", model + "/texture"}).exit == 0);
-  const auto opened = pipeline::read_clip_model(model, pipeline::ModelFill::dytex);
-  pipeline::ClipSynthesis frames(opened, {.seed = 1, .fill_kind = pipeline::ModelFill::dytex});
-  const auto drawn = read_clip(fs::path(folder) / "new.avi");
-  REQUIRE(drawn.frames.size() == 30);
-  for (std::size_t t = 0; t < 30; ++t) CHECK(same_pixels(drawn.frames[t], frames.next()));
-
-  // The texture is edited with the strokes; by nothing if by nothing.
-  for (const auto& [speed, same] : {std::pair{"1", true}, {"2", false}}) {
-    const auto edited = made.temp / ("speed" + std::string(speed) + ".avi");
-    REQUIRE(run_command({"synth", model, "-o", edited.string(), "--overwrite", "--frames", "30", "--fill",
-                         "dytex", "-q", "--speed", speed})
-                .exit == 0);
-    CHECK((bytes_of(edited) == bytes_of(fs::path(folder) / "new.avi")) == same);
-  }
-
-  const auto out = made.temp / "out.avi";
-  const auto refused = [&](const std::string& path, const std::vector<std::string>& what) {
-    check_one_line({"synth", path, "-o", out.string(), "-q", "--fill", "dytex"}, 1, what, out);
-  };
-  refused(made.model, {"holds no texture", "analyze --texture"});
-  const auto copy = [&](const std::string& name) {
-    fs::copy(model, made.temp / name, fs::copy_options::recursive);
-    return (made.temp / name).string();
-  };
-  const auto newer = copy("newer");
-  replace_in(fs::path(newer) / "texture/model.json", "\"version\": 2", "\"version\": 99");
-  refused(newer, {"newer/texture", "99"});
-  const auto other = copy("other");
-  replace_in(fs::path(other) / "texture/model.json", "\"width\": 160", "\"width\": 120");
-  replace_in(fs::path(other) / "texture/model.json", "\"height\": 120", "\"height\": 160");
-  refused(other, {"other/texture", "120x160", "160x120"});
-  const auto cut = copy("cut");
-  fs::remove(fs::path(cut) / "texture/A.npy");
-  refused(cut, {"cut/texture", "A"});
-  // Without the texture option the damaged texture is not read.
-  CHECK(run_command({"synth", cut, "-o", out.string(), "-q", "--frames", "2"}).exit == 0);
-  check_one_line({"analyze", made.clip, "-o", (made.temp / "c").string(), "--texture", "501", "-q"}, 2,
-                 {"--texture is 501"}, made.temp / "c");
-}
-
-TEST_CASE("synth lays the clip's residual on new frames where asked") {
-  const LearnedClip made;
-  const auto plain = made.temp / "plain.avi";
-  const auto draw = [&](const fs::path& out, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"synth",    made.model, "-o", out.string(),
-                                       "--frames", "6",        "-q", "--overwrite"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const auto result = run_command(arguments);
+TEST_CASE("a model of an older version, which kept textures too, is drawn as one without them") {
+  const LearnedClip made(12);
+  auto archive = io::read_model(made.model, io::kMotionFormat);
+  archive.arrays["residual_within"] = core::float_array(cv::Mat(63, 63, CV_32F, cv::Scalar(1)));
+  archive.arrays["residual_speed"] = {{1}, false, std::vector{2.0}};
+  archive.parts["texture"] = {R"({"format": "emberfold.linear_dynamic_texture"})",
+                              {{"A", core::float_array(cv::Mat(2, 2, CV_32F, cv::Scalar(1)))}}};
+  const auto older = made.temp / "older";
+  io::write_model(older, archive);
+  const auto read = pipeline::to_archive(pipeline::clip_model(io::read_model(older, io::kMotionFormat)));
+  CHECK(read.arrays.contains("footage"));
+  CHECK_FALSE(read.arrays.contains("residual_within"));
+  CHECK(read.parts.empty());
+  const auto drawn = [&](const std::string& model, const std::string& name, const std::string& fill) {
+    const auto clip = made.temp / (name + ".avi");
+    const auto result =
+        run_command({"synth", model, "-o", clip.string(), "--frames", "3", "-q", "--fill", fill});
     INFO(result.err);
     REQUIRE(result.exit == 0);
+    return bytes_of(clip);
   };
-  draw(plain, {});
-  for (const char* threads : {"1", "4"})
-    draw(made.temp / ("texture" + std::string(threads) + ".avi"),
-         {"--fill", "texture", "--threads", threads});
-  CHECK(bytes_of(made.temp / "texture1.avi") == bytes_of(made.temp / "texture4.avi"));
-  CHECK(bytes_of(made.temp / "texture1.avi") != bytes_of(plain));
-  // It goes at the strokes' speed.
-  draw(made.temp / "back.avi", {"--fill", "texture", "--reverse"});
-  draw(made.temp / "neutral.avi", {"--fill", "texture", "--speed", "1"});
-  CHECK(bytes_of(made.temp / "back.avi") != bytes_of(made.temp / "texture1.avi"));
-  CHECK(bytes_of(made.temp / "neutral.avi") == bytes_of(made.temp / "texture1.avi"));
-  // A model of before there was such a thing.
-  const auto old = made.temp / "old", out = made.temp / "out.avi";
-  fs::copy(made.model, old, fs::copy_options::recursive);
-  for (const char* name : {"within", "ahead", "colours", "strength"})
-    fs::remove(old / ("residual_" + std::string(name) + ".npy"));
-  const auto refused = [&](const fs::path& model, const std::vector<std::string>& what) {
-    check_one_line({"synth", model.string(), "-o", out.string(), "-q", "--fill", "texture"}, 1, what, out);
-  };
-  refused(old, {"old", "holds no residual", "emberfold analyze"});
-  // One channel for frames of three.
-  auto archive = io::read_model(made.model, io::kMotionFormat);
-  for (const auto& [name, rows] : {std::pair{"within", 63}, {"ahead", 63}, {"colours", 1}})
-    archive.arrays["residual_" + std::string(name)] =
-        core::float_array(cv::Mat(rows, rows, CV_32F, cv::Scalar(1)));
-  io::OutputFolder output(made.temp / "grey");
-  io::write_model(output, "model", archive);
-  output.commit();
-  refused(made.temp / "grey/model", {"residual_within.npy is of 1 channels, its frames have 3"});
+  for (const char* fill : {"footage", "diffusion"})
+    CHECK(drawn(older.string(), std::string("older_") + fill, fill) == drawn(made.model, fill, fill));
 }
 
 TEST_CASE("synth makes a clip of the model's footage unless strokes are asked for") {
@@ -170,7 +91,6 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
   INFO(looped.err);
   CHECK(looped.exit == 0);
   CHECK(bytes_of(made.temp / "looped/frame_00003.png") == bytes_of(made.temp / "looped/frame_00012.png"));
-  refuse({"--fill", "texture", "--loop", "9"}, 2, {"--loop", "--fill draws strokes"});
   refuse({"--loop", "1"}, 2, {"--loop is 1", "2 or more"});
   refuse({"--loop", "9", "--fill", "diffusion"}, 2, {"--loop", "--fill draws strokes"});
   refuse({"--loop", "9", "--flicker", "2"}, 2, {"--loop", "--flicker draws strokes"});
@@ -213,6 +133,45 @@ TEST_CASE("synth carries the clip's own strokes where they are edited, and says 
   CHECK(contains(run({"--set", "synth.births=2"}), "holds none of its clip's frames"));
   check_one_line({"synth", made.model, "-o", (made.temp / "no.avi").string(), "-q", "--fill", "carried"}, 1,
                  {"holds no strokes of its clip's frames"}, made.temp / "no.avi");
+}
+
+TEST_CASE("synth lets the clip's strokes live again at other times, and says what that cannot show") {
+  const LearnedClip made;
+  const auto out = [&](const char* name) { return (made.temp / name).string(); };
+  const auto draw = [&](const char* clip, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"synth",   made.model, "-o",       out(clip), "--fill",
+                                       "strokes", "--json",   "--frames", "20",      "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_command(arguments);
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    CHECK(contains(result.err, "of what moves is as in one frame of the clip"));
+    return nlohmann::json::parse(result.out);
+  };
+  const auto summary =
+      draw("a.avi", {"--motion", out("a.jsonl"), "--film", out("film.png"), "--threads", "2"});
+  CHECK(summary["options"]["synth"]["fill"] == "strokes");
+  CHECK(summary["synthesis"]["copied_share"].get<double>() <= 1);
+  std::ifstream stream(out("a.jsonl"));
+  const auto motion = graph::read_motion(stream, "a.jsonl");
+  REQUIRE(motion.sketch.frames.size() == 20);
+  double patches = 0;
+  for (const auto& graph : motion.sketch.frames) patches += static_cast<double>(graph.size()) / 20;
+  CHECK(std::abs(patches - summary["synthesis"]["patches_per_frame"].get<double>()) < 0.01);
+  draw("b.avi", {"--threads", "1"});
+  CHECK(bytes_of(out("a.avi")) == bytes_of(out("b.avi")));
+  draw("c.avi", {"--reverse", "--speed", "0.5", "--wind", "1,0", "--set", "synth.births=2"});
+  CHECK(bytes_of(out("a.avi")) != bytes_of(out("c.avi")));
+  const auto refuse = [&](const std::vector<std::string>& more, const std::vector<std::string>& what) {
+    std::vector<std::string> arguments{"synth", made.model, "-o", out("no.avi"), "--fill", "strokes"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_one_line(arguments, 2, what, out("no.avi"));
+  };
+  refuse({"--flicker", "2"}, {"--fill strokes", "flicker"});
+  refuse({"--start", "stationary"}, {"--fill strokes", "--start"});
+  refuse({"--set", "synth.splits=2"}, {"--fill strokes", "rate of splits"});
+  refuse({"--loop", "9"}, {"--loop", "draws strokes"});
+  refuse({"--explain", out("map.png")}, {"--explain", "strokes"});
 }
 
 TEST_CASE("synth scales its frames, makes the ground transparent, and tells where pixels come from") {

@@ -237,8 +237,7 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(2, {"-o", out.string(), "--frames", "0"}, {"--frames", "0"});
   refused(2, {"-o", out.string(), "--frames", "-3"}, {"--frames", "-3"});
   refused(2, {"-o", out.string(), "--frames", "many"}, {"--frames", "many"});
-  refused(2, {"-o", out.string(), "--fill", "paint"},
-          {"--fill", "paint", "carried, diffusion, texture, dytex"});
+  refused(2, {"-o", out.string(), "--fill", "paint"}, {"--fill", "paint", "carried, strokes, diffusion"});
   refused(2, {"-o", out.string(), "--set", "synth.births=11"}, {"synth.births", "11"});
   refused(2, {"-o", (made.temp / "new.gif").string()}, {".gif"});
   refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
@@ -246,7 +245,7 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(2, {"-o", out.string(), "--film", (made.temp / "film.gif").string(), "--frames", "2"}, {".gif"});
   refused(
       2,
-      {"-o", out.string(), "--film", (made.temp / "film.avi").string(), "--loop", "9", "--fill", "texture"},
+      {"-o", out.string(), "--film", (made.temp / "film.avi").string(), "--loop", "9", "--fill", "diffusion"},
       {"--loop"});
   refused(2, {"-o", out.string(), "--overlay", (made.temp / "over.gif").string(), "--frames", "2"}, {".gif"});
   CommandOptions full;

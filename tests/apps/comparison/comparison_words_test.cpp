@@ -10,21 +10,6 @@
 using namespace emberfold::apps;
 using OrderedJson = nlohmann::ordered_json;
 
-TEST_CASE("the words say where the hybrid loses") {
-  const auto words_of = [](double hybrid, double texture) {
-    OrderedJson measures = {{"models",
-                             {{{"key", "hybrid"}, {"label", "hybrid"}},
-                              {{"key", "linear_dynamic_texture"}, {"label", "linear dynamic texture"}}}}};
-    measures["synthesis"] = {{"hybrid", {{"temporal_db", hybrid}, {"si", 0.1}}},
-                             {"linear_dynamic_texture", {{"temporal_db", texture}, {"si", 0.2}}},
-                             {"noise_floor", {{"temporal_db", 0.1}, {"si", 0.01}}}};
-    return comparison_words(measures).at(2);
-  };
-  const std::string begin = "Against the linear dynamic texture the hybrid wins in ";
-  CHECK(words_of(1, 2) == begin + "spectrum in time and spatial information.");
-  CHECK(words_of(2, 1) == begin + "spatial information; it loses in spectrum in time.");
-}
-
 TEST_CASE("the words name who wins and who loses") {
   const OrderedJson measures = OrderedJson::parse(R"({
     "models": [{"key": "motion_model", "label": "motion model"}, {"key": "star", "label": "STAR model"}],

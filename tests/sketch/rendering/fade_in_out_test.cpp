@@ -131,7 +131,7 @@ TEST_CASE("a stroke that closes off a region changes no pixel by more than its s
   look.background.still = cv::Mat::zeros(5, 7, CV_8U);
   look.background.still.colRange(4, 7).setTo(255);
   std::vector<sketch::FrameContent> parts;
-  for (auto& one : faded(graphs)) parts.push_back({std::move(one.graph), {}, std::move(one.opacity)});
+  for (auto& one : faded(graphs)) parts.push_back({std::move(one.graph), std::move(one.opacity)});
   const auto frames = sketch::render_frames(parts, look, {});
   cv::Mat least = frames[0].clone(), most = frames[0].clone();
   for (const auto& frame : frames) cv::min(least, frame, least), cv::max(most, frame, most);

@@ -7,8 +7,6 @@
 #include <opencv2/core.hpp>
 
 #include "core/context.hpp"
-#include "core/rng.hpp"
-#include "sketch/rendering/render.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 
@@ -58,17 +56,10 @@ TEST_CASE("a frame without a stroke in it has the level that was asked for") {
                     cv::Mat(40, 48, CV_8UC1, cv::Scalar(77))));
 }
 
-TEST_CASE("a batch of graphs is drawn frame by frame as each alone, on a ground or without") {
+TEST_CASE("a batch of graphs is drawn frame by frame as each alone") {
   const sketch::RenderOptions look{{48, 40}, 3, 7, {}};
-  core::Rng rng(2);
   std::vector<sketch::FrameContent> parts;
-  for (int t = 0; t < 19; ++t) {
-    parts.push_back({bar(5 + t)});
-    if (t % 2 == 0) continue;
-    parts.back().background = cv::Mat(40, 48, CV_8UC3);
-    for (auto& pixel : cv::Mat_<cv::Vec3b>(parts.back().background))
-      pixel = cv::Vec3b::all(static_cast<unsigned char>(100 + rng.below(20)));
-  }
+  for (int t = 0; t < 19; ++t) parts.push_back({bar(5 + t)});
   const auto frames = sketch::render_frames(parts, look, {});
   REQUIRE(frames.size() == 19);
   for (std::size_t t = 0; t < frames.size(); ++t)
@@ -76,28 +67,6 @@ TEST_CASE("a batch of graphs is drawn frame by frame as each alone, on a ground 
   std::stop_source stop;
   stop.request_stop();
   CHECK_THROWS_AS(sketch::render_frames(parts, look, core::Context(stop.get_token())), core::Cancelled);
-}
-
-TEST_CASE("strokes are joined into a ground: theirs beside them, its own away from them") {
-  const sketch::RenderOptions look{{96, 40}, 1, 7, {}};
-  core::Rng rng(2);
-  cv::Mat background(40, 96, CV_8U);
-  for (auto& value : cv::Mat_<unsigned char>(background))
-    value = static_cast<unsigned char>(100 + rng.below(20));
-  const cv::Mat frame = sketch::render_frame(sketch::FrameContent{bar(20), background}, look),
-                plain = sketch::render_frame(bar(20), look);
-  const auto drawn = sketch::draw_fitted(bar(20), look.size, 1);
-  for (int y = 0; y < 40; ++y)
-    for (int x = 0; x < 96; ++x)
-      if (drawn.mask.at<unsigned char>(y, x) != 0)
-        CHECK(frame.at<unsigned char>(y, x) == plain.at<unsigned char>(y, x));
-  const cv::Rect away(72, 0, 24, 40);
-  CHECK(cv::norm(frame(away), background(away), cv::NORM_INF) <= 1);
-  // Its texture stays where its level gives way.
-  cv::Mat lifted = cv::Mat(background - frame)(cv::Rect(26, 8, 4, 24));
-  cv::Scalar mean, spread;
-  cv::meanStdDev(lifted, mean, spread);
-  CHECK(mean[0] > 10);
 }
 
 TEST_CASE("a patch that is there in part lies between its own levels and what is there without it") {
@@ -115,26 +84,21 @@ TEST_CASE("a patch that is there in part lies between its own levels and what is
     for (auto edge : one.edges()) edges.push_back({{edge.a.value + first}, {edge.b.value + first}});
   }
   const graph::AttributeGraph both(vertices, edges);
-  const auto share = [&](float value, const cv::Mat& background = {}) {
-    sketch::FrameContent parts{both, background, std::vector<float>(12, 1)};
+  const auto share = [&](float value) {
+    sketch::FrameContent parts{both, std::vector<float>(12, 1)};
     for (std::size_t i = 6; i < 12; ++i) parts.opacity[i] = value;
     cv::Mat levels;
     sketch::render_frame(parts, look).convertTo(levels, CV_32F);
     return levels;
   };
-  const cv::Mat background(64, 96, CV_8UC3, cv::Scalar(40, 60, 80));
-  for (const auto& below : {cv::Mat{}, background}) {
-    cv::Mat whole, none;
-    sketch::render_frame(sketch::FrameContent{both, below}, look).convertTo(whole, CV_32F);
-    vertices.resize(6), edges.resize(5);
-    sketch::render_frame(sketch::FrameContent{{vertices, edges}, below}, look).convertTo(none, CV_32F);
-    CHECK(cv::norm(share(1, below), whole, cv::NORM_INF) == 0);
-    CHECK(cv::norm(share(0, below), none, cv::NORM_INF) <= 3);
-    CHECK(cv::norm(share(0.25F, below), 0.75 * none + 0.25 * whole, cv::NORM_INF) <= 4);
-    CHECK(cv::norm(whole, none, cv::NORM_INF) > 50);
-    vertices = {both.vertices().begin(), both.vertices().end()},
-    edges = {both.edges().begin(), both.edges().end()};
-  }
+  cv::Mat whole, none;
+  sketch::render_frame(both, look).convertTo(whole, CV_32F);
+  vertices.resize(6), edges.resize(5);
+  sketch::render_frame(graph::AttributeGraph(vertices, edges), look).convertTo(none, CV_32F);
+  CHECK(cv::norm(share(1), whole, cv::NORM_INF) == 0);
+  CHECK(cv::norm(share(0), none, cv::NORM_INF) <= 3);
+  CHECK(cv::norm(share(0.25F), 0.75 * none + 0.25 * whole, cv::NORM_INF) <= 4);
+  CHECK(cv::norm(whole, none, cv::NORM_INF) > 50);
 }
 
 TEST_CASE("an anchor of a drawn graph is a fixed pixel, whatever the strokes are drawn with") {
@@ -148,17 +112,15 @@ TEST_CASE("an anchor of a drawn graph is a fixed pixel, whatever the strokes are
   sharpened.blur_share = 0.5, sharpened.contrast_gain = 1.5;
   auto placed = sharpened;
   placed.new_places = true;
-  for (const auto& options : {plain, sharpened, placed})
-    for (const bool joined : {false, true}) {
-      sketch::FrameContent content{with_anchor(bar(20))}, without{bar(20)};
-      if (joined) content.background = without.background = cv::Mat(40, 48, CV_8UC3, cv::Scalar::all(70));
-      const cv::Mat frame = sketch::render_frame(content, options),
-                    bare = sketch::render_frame(without, options);
-      CHECK(frame.at<cv::Vec3b>(12, 36) == cv::Vec3b(200, 150, 100));
-      CHECK(frame.at<cv::Vec3b>(12, 37)[0] > bare.at<cv::Vec3b>(12, 37)[0] + 5);  // the fill goes on from it
-      CHECK(frame.at<cv::Vec3b>(22, 20) == bare.at<cv::Vec3b>(22, 20));  // the stroke does not change
-      content.opacity.assign(content.graph.size(), 1);
-      content.opacity[0] = 0.5F;
-      CHECK(sketch::render_frame(content, options).at<cv::Vec3b>(12, 36) == cv::Vec3b(200, 150, 100));
-    }
+  for (const auto& options : {plain, sharpened, placed}) {
+    sketch::FrameContent content{with_anchor(bar(20))};
+    const cv::Mat frame = sketch::render_frame(content, options),
+                  bare = sketch::render_frame(bar(20), options);
+    CHECK(frame.at<cv::Vec3b>(12, 36) == cv::Vec3b(200, 150, 100));
+    CHECK(frame.at<cv::Vec3b>(12, 37)[0] > bare.at<cv::Vec3b>(12, 37)[0] + 5);  // the fill goes on from it
+    CHECK(frame.at<cv::Vec3b>(22, 20) == bare.at<cv::Vec3b>(22, 20));           // the stroke does not change
+    content.opacity.assign(content.graph.size(), 1);
+    content.opacity[0] = 0.5F;
+    CHECK(sketch::render_frame(content, options).at<cv::Vec3b>(12, 36) == cv::Vec3b(200, 150, 100));
+  }
 }
