@@ -11,9 +11,8 @@ namespace emberfold::core {
 /// A learned model as files of a folder, held in memory.
 /// Libraries convert their models to archives and back; core/io reads and writes the folder.
 struct ModelArchive {
-  std::string text;                                ///< content of model.json
-  std::map<std::string, NpyArray> arrays;          ///< by file name without ".npy"
-  std::map<std::string, ModelArchive> parts = {};  ///< models in folders below, by folder name
+  std::string text;                        ///< content of model.json
+  std::map<std::string, NpyArray> arrays;  ///< by file name without ".npy"
 };
 
 /// A model to be written without copying its arrays, which it refers to.

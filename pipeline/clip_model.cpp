@@ -84,9 +84,7 @@ std::string why_undrawable(const mcmc::MotionModel& model) {
 }
 
 ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fill) {
-  io::ModelLimits limits;
-  limits.parts = false;
-  const auto archive = io::read_model(folder, io::kMotionFormat, limits);
+  const auto archive = io::read_model(folder, io::kMotionFormat);
   ClipModel model;
   try {
     model = strokes_and_background(archive);

@@ -30,10 +30,7 @@ std::unique_ptr<io::VideoWriter> create_output(const std::string& path, const co
 
 /// Reads the training frames of the model; none where it holds none.
 pipeline::Footage clip_of(const std::string& folder, const core::ClipInfo& info) {
-  io::ModelLimits limits;
-  limits.parts = false;
-  auto clip =
-      pipeline::read_footage(io::read_model(folder, io::kMotionFormat, limits), {info.width, info.height});
+  auto clip = pipeline::read_footage(io::read_model(folder, io::kMotionFormat), {info.width, info.height});
   return clip.channels == info.channels ? clip : pipeline::Footage{};
 }
 

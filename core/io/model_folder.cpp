@@ -21,13 +21,13 @@ constexpr const char* kText = "model.json";
 constexpr std::size_t kMostArrays = 256;
 constexpr std::string_view kFamily = "emberfold.";
 
-/// Returns whether a folder below a model's is a part of it.
+/// Returns whether a folder below a model's is a model, as motion models once held one.
 bool is_part(const fs::path& path) {
   std::error_code ignored;
   return fs::is_directory(path, ignored) && fs::is_regular_file(path / kText, ignored);
 }
 
-// Returns whether a file belongs to a model or its parts.
+// Returns whether a file belongs to a model.
 bool belongs_to_model(const fs::path& file) {
   const auto name = file.filename().string();
   return is_part(file) || name == kText || name == "summary.json" || name == "components.png" ||
@@ -137,8 +137,6 @@ void write_model(OutputFolder& output, const std::string& name, const core::Mode
   core::ModelView model{archive.text, {}};
   for (const auto& [array, values] : archive.arrays) model.arrays.emplace(array, core::view(values));
   write_model(output, name, model);
-  for (const auto& [part, inner] : archive.parts)
-    write_model(output, name.empty() ? part : name + "/" + part, inner);
 }
 
 void write_model(const fs::path& folder, const core::ModelArchive& archive) {
@@ -177,9 +175,9 @@ void ModelFolder::commit() {
 
 namespace {
 
-/// Reads the arrays of a folder; `left`: bytes that they may take.
-std::map<std::string, core::NpyArray> read_arrays(const fs::path& folder, std::size_t limit,
-                                                  std::size_t& left) {
+/// Reads the arrays of a folder, which may take `limit` bytes.
+std::map<std::string, core::NpyArray> read_arrays(const fs::path& folder, std::size_t limit) {
+  std::size_t left = limit;
   std::vector<fs::path> files;
   for (const auto& path : entries(folder)) {
     if (path.extension() != ".npy") continue;
@@ -220,13 +218,7 @@ core::ModelArchive read_model(const fs::path& folder, std::string_view format, c
   if (!fs::is_directory(folder, ignored) || !fs::exists(folder / kText, ignored)) refuse(folder, format);
   core::ModelArchive archive{read_text(folder / kText, limits.text), {}};
   check_format(folder, archive.text, format);
-  std::size_t left = limits.arrays;
-  archive.arrays = read_arrays(folder, limits.arrays, left);
-  if (!limits.parts) return archive;
-  for (const auto& path : entries(folder))
-    if (is_part(path))
-      archive.parts[path.filename().string()] = {read_text(path / kText, limits.text),
-                                                 read_arrays(path, limits.arrays, left)};
+  archive.arrays = read_arrays(folder, limits.arrays);
   return archive;
 }
 

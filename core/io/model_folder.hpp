@@ -44,7 +44,6 @@ class ModelFolder {
 struct ModelLimits {
   std::size_t text = std::size_t{1} << 25;    ///< bytes of model.json
   std::size_t arrays = std::size_t{1} << 34;  ///< bytes of all .npy files together
-  bool parts = true;                          ///< read the models in folders below, too
 };
 
 /// Reads the model in a folder. Throws core::IoError, on one line and naming the file: there is none, it is a

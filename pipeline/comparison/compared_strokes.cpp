@@ -35,7 +35,7 @@ struct StrokeModel {
   // Returns the graph expected `steps` frames later; for 0 the frame's own.
   [[nodiscard]] const graph::AttributeGraph& graph(const PastFrames& past, int steps) const {
     const auto& all = steps == 0 ? sketches : ahead.at(steps);
-    return all[static_cast<std::size_t>(past.frame + steps)];
+    return all[static_cast<std::size_t>(past.frame) + static_cast<std::size_t>(steps)];
   }
   [[nodiscard]] sketch::RenderOptions look(float empty_level, const sketch::Background& around) const {
     return {{info.width, info.height}, info.channels, empty_level, around};

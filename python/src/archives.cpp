@@ -67,28 +67,20 @@ core::NpyArray from_python(const py::handle& object) {
 }  // namespace
 
 py::tuple to_state(const core::ModelArchive& archive) {
-  py::dict arrays, parts;
+  py::dict arrays;
   for (const auto& [name, array] : archive.arrays) arrays[py::str(name)] = to_python(array);
-  for (const auto& [name, part] : archive.parts) parts[py::str(name)] = to_state(part);
-  return py::make_tuple(archive.text, arrays, parts);
+  return py::make_tuple(archive.text, arrays);
 }
 
 core::ModelArchive to_archive(const py::tuple& state) {
-  core::ModelArchive archive{state[0].cast<std::string>(), {}, {}};
+  core::ModelArchive archive{state[0].cast<std::string>(), {}};
   for (const auto& [name, array] : state[1].cast<py::dict>())
     archive.arrays[name.cast<std::string>()] = from_python(array);
-  for (const auto& [name, part] : state[2].cast<py::dict>())
-    archive.parts[name.cast<std::string>()] = to_archive(part.cast<py::tuple>());
   return archive;
 }
 
 bool equal(const core::ModelArchive& a, const core::ModelArchive& b) {
-  if (a.text != b.text || a.arrays != b.arrays || a.parts.size() != b.parts.size()) return false;
-  for (const auto& [name, part] : a.parts) {
-    const auto other = b.parts.find(name);
-    if (other == b.parts.end() || !equal(part, other->second)) return false;
-  }
-  return true;
+  return a.text == b.text && a.arrays == b.arrays;
 }
 
 }  // namespace emberfold::python

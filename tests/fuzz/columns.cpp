@@ -17,7 +17,7 @@ FUZZ_TARGET(columns)(const std::uint8_t* data, std::size_t size) {
         [&](const auto& value) {
           io::Columns columns;
           add(columns, value);
-          return core::ModelArchive{{}, columns.arrays, {}};
+          return core::ModelArchive{{}, columns.arrays};
         });
   };
   check([](const io::Columns& columns) { return pipeline::read_graphs(columns); }, pipeline::add_graphs);
