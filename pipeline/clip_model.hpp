@@ -43,6 +43,10 @@ enum class ModelFill {
   diffusion  ///< levels diffused from the strokes and the still background
 };
 std::string_view name(ModelFill fill);
+/// Returns whether whole frames of the clip are shown: footage, edited or not.
+inline bool shows_frames(ModelFill fill) {
+  return fill == ModelFill::footage || fill == ModelFill::carried;
+}
 /// Returns the fill of that name; nothing for an unknown name.
 std::optional<ModelFill> model_fill(std::string_view name);
 

@@ -18,10 +18,6 @@ bool is_of_footage(ModelFill fill) {
   return fill != ModelFill::diffusion;
 }
 
-bool can_loop(ModelFill fill) {
-  return fill == ModelFill::footage || fill == ModelFill::carried;
-}
-
 ModelFill chosen_fill(const ClipModel& model, const ClipSynthesisOptions& options) {
   return options.fill_kind.value_or(model.footage ? ModelFill::footage : ModelFill::diffusion);
 }
@@ -30,7 +26,7 @@ void check(const ClipModel& model, const ClipSynthesisOptions& options) {
   core::check_range("ClipSynthesisOptions.speed", options.speed, -100, 100);
   const auto fill = chosen_fill(model, options);
   if (is_of_footage(fill) && !model.footage) throw core::InputError("the model holds no frames of its clip");
-  if (options.loop && !can_loop(fill))
+  if (options.loop && !shows_frames(fill))
     throw core::InputError("ClipSynthesisOptions.loop is for footage and carried strokes");
   if (is_of_footage(fill)) return;
   if (options.edit != mcmc::MotionEdit{})

@@ -65,10 +65,7 @@ FrameSynthesis::Drawn FrameSynthesis::take() {
 
 sketch::FrameContent FrameSynthesis::next_parts() {
   Drawn drawn = take();
-  statistics_.patches.push_back(drawn.graph.size());
-  statistics_.strokes.push_back(graph::components(drawn.graph).count);
-  for (std::size_t k = 0; k < statistics_.operators.size(); ++k)
-    statistics_.operators[k] += static_cast<std::size_t>(drawn.operators[k]);
+  statistics_.add(drawn.graph, drawn.operators);
   std::vector<const graph::AttributeGraph*> coming;
   for (const auto& later : ahead_) coming.push_back(&later.graph);
   auto fading = fader_.next(drawn.graph, coming);

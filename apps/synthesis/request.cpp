@@ -33,10 +33,8 @@ std::string not_carried(const SynthRequest& asked) {
   return asked.start != "data" ? "--start" : pipeline::edit_not_carried(asked.edit.edit);
 }
 
-/// Returns whether whole frames of the clip are shown.
 bool is_of_frames(const SynthRequest& asked) {
-  using pipeline::ModelFill;
-  return !asked.fill_kind || asked.fill_kind == ModelFill::footage || asked.fill_kind == ModelFill::carried;
+  return !asked.fill_kind || pipeline::shows_frames(*asked.fill_kind);
 }
 
 /// Chooses transferred strokes where an option needs strokes, drawn ones where it requires these, and rejects

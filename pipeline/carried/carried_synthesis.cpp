@@ -105,24 +105,15 @@ double CarriedSynthesis::time(std::int64_t frame) const {
 CarriedSynthesis::Moment CarriedSynthesis::next_moment() {
   const auto number = next_moment_++;
   Moment moment{order_.at(number), {}, {}};
-  if (moment.shown.half > 0) {
-    const Turn turn = turn_of(moment.shown);
-    if (turning_.empty() || turn != turn_) turning_ = turning_places(clip_->frames(), moment.shown);
-    turn_ = turn;
-    moment.turning = turning_;
-  }
+  moment.turning = turning_.at(clip_->frames(), moment.shown);
   moment.carried = round_.empty() ? play_.next(shown_frame(moment.shown))
                                   : round_[static_cast<std::size_t>(number) % round_.size()];
-  statistics_.patches.push_back(moment.carried.graph.size());
-  statistics_.strokes.push_back(graph::components(moment.carried.graph).count);
-  for (std::size_t k = 0; k < statistics_.operators.size(); ++k)
-    statistics_.operators[k] += static_cast<std::size_t>(moment.carried.operators[k]);
+  statistics_.add(moment.carried.graph, moment.carried.operators);
   return moment;
 }
 
 cv::Mat CarriedSynthesis::draw(const Moment& moment) const {
-  cv::Mat frame = moment.shown.half > 0 ? draw_turn(clip_->frames(), moment.shown, moment.turning)
-                                        : clip_->frame(moment.shown.frame).clone();
+  cv::Mat frame = draw_moment(clip_->frames(), moment.shown, moment.turning).clone();
   for (const auto& stroke : moment.carried.strokes) draw_carried(frame, clip_->frames(), stroke);
   return frame;
 }

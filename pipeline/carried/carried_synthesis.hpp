@@ -15,6 +15,7 @@
 #include "mcmc/simulation/edit_model.hpp"
 #include "pipeline/carried/carried_play.hpp"
 #include "pipeline/footage/play_order.hpp"
+#include "pipeline/footage/turn.hpp"
 #include "pipeline/frame_method.hpp"
 
 namespace emberfold::pipeline {
@@ -81,8 +82,7 @@ class CarriedSynthesis final : public FrameMethod {
   SynthesisStatistics statistics_;
   std::int64_t next_frame_ = 0, next_moment_ = 0;
   std::map<std::int64_t, DrawnMoment> drawn_;
-  Turn turn_;  // of `turning_`
-  cv::Mat1f turning_;
+  TurningPlaces turning_;
 };
 
 }  // namespace emberfold::pipeline

@@ -31,7 +31,6 @@ constexpr double kLeastMotion = 0.5;  // px per frame: slower content is stretch
 // all, since interpolation is unreliable there.
 constexpr double kKnown = 0.6, kUnknown = 0.8;
 constexpr double kRate = 0.2;                      // SD of the relative speed of local time
-constexpr int kCountedEvery = 4;                   // frames between those whose copied pixels are counted
 constexpr double kFewTimes = 0.5;                  // frames: smaller amplitudes need several plays
 constexpr int kPlays = 3;                          // enough that none fills most of the frame
 constexpr int kApart = 6;                          // frames between those shown side by side, at least
@@ -148,7 +147,7 @@ void FootageSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
       drawn[i] = draw_between(moving, time(n) - static_cast<double>(first), offsets);
     });
     for (auto& frame : drawn) {
-      if (next_ % kCountedEvery == 0) copied_.add(frame);
+      if (next_ % CopiedShare::kEvery == 0) copied_.add(frame);
       take(std::move(frame));
       ++next_;
       --count;

@@ -60,8 +60,8 @@ SeamLines PlayedFrames::seams_at(std::int64_t n) {
 cv::Mat PlayedFrames::draw(const Moment& moment) const {
   std::vector<cv::Mat> frames;
   for (const auto& shown : moment.shown)
-    frames.push_back(shown.half > 0 ? draw_turn(*footage_, shown, turning_places_.at(turn_of(shown)))
-                                    : (*footage_)[static_cast<std::size_t>(shown.frame)]);
+    frames.push_back(
+        draw_moment(*footage_, shown, shown.half > 0 ? turning_places_.at(turn_of(shown)) : cv::Mat1f()));
   return frames.size() == 1 ? frames.front() : seams_->join(frames, moment.seams);
 }
 

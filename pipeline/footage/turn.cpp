@@ -150,4 +150,18 @@ cv::Mat draw_turn(const std::vector<cv::Mat>& footage, const PlayedMoment& momen
   return out;
 }
 
+cv::Mat1f TurningPlaces::at(const std::vector<cv::Mat>& footage, const PlayedMoment& moment) {
+  if (moment.half == 0) return {};
+  const Turn turn = turn_of(moment);
+  if (places_.empty() || turn != turn_) places_ = turning_places(footage, moment);
+  turn_ = turn;
+  return places_;
+}
+
+cv::Mat draw_moment(const std::vector<cv::Mat>& footage, const PlayedMoment& moment,
+                    const cv::Mat1f& places) {
+  return moment.half > 0 ? draw_turn(footage, moment, places)
+                         : footage[static_cast<std::size_t>(moment.frame)];
+}
+
 }  // namespace emberfold::pipeline

@@ -22,20 +22,22 @@ std::vector<graph::SubgraphId> all_strokes(const SeenClip& clip) {
   return ids;
 }
 
+std::size_t number_of(graph::SubgraphId id, const std::vector<graph::SubgraphId>& strokes) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(strokes, id) - strokes.begin());
+}
+
 /// Returns for each of the strokes the index of one that stands for its family.
 std::vector<std::size_t> unite_linked(const SeenClip& clip, const std::vector<graph::SubgraphId>& strokes) {
   std::vector<std::size_t> rank(strokes.size()), parent(strokes.size());
   boost::disjoint_sets sets(rank.data(), parent.data());
   for (std::size_t i = 0; i < strokes.size(); ++i) sets.make_set(i);
-  const auto number = [&](graph::SubgraphId id) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(strokes, id) - strokes.begin());
-  };
   for (int t = 1; t < clip.size(); ++t) {
     const auto before = clip.graph(t - 1).vertices(), now = clip.graph(t).vertices();
     const auto from = clip.continued(t - 1, t);
     for (std::size_t v = 0; v < now.size(); ++v)
       if (from[v] >= 0)
-        sets.union_set(number(before[static_cast<std::size_t>(from[v])].subgraph), number(now[v].subgraph));
+        sets.union_set(number_of(before[static_cast<std::size_t>(from[v])].subgraph, strokes),
+                       number_of(now[v].subgraph, strokes));
   }
   std::vector<std::size_t> families;
   for (std::size_t i = 0; i < strokes.size(); ++i) families.push_back(sets.find_set(i));
@@ -51,9 +53,8 @@ StrokeFamilies stroke_families(const SeenClip& clip) {
   for (int t = 0; t < clip.size(); ++t) {
     const auto vertices = clip.graph(t).vertices();
     for (std::uint32_t v = 0; v < vertices.size(); ++v) {
-      const auto stroke = std::ranges::lower_bound(strokes, vertices[v].subgraph) - strokes.begin();
-      auto& life =
-          found.try_emplace(families[static_cast<std::size_t>(stroke)], StrokeLife{t, {}}).first->second;
+      const auto family = families[number_of(vertices[v].subgraph, strokes)];
+      auto& life = found.try_emplace(family, StrokeLife{t, {}}).first->second;
       life.patches.resize(static_cast<std::size_t>(t - life.first) + 1);
       life.patches.back().push_back(v);
     }

@@ -28,9 +28,9 @@ constexpr double kBirthJitter = 3;            // px, SD: from a family's place t
 constexpr int kFamiliesApart = 8;             // frames between a family's birth and its repetition, at least
 constexpr int kCompanyFrames = 1;             // between the births of strokes in company
 constexpr double kCrowded = 5;                // px: closer strokes crowd each other,
-constexpr double kCrowdMisfit = 60;           // at so many grey levels of misfit
+constexpr double kCrowdCost = 60;             // at so many grey levels of misfit
 constexpr std::size_t kPatchesCompared = 10;  // of a family
-constexpr double kBeside = 9;                 // px beside a curve, where levels are compared
+constexpr double kCompareDistance = 9;        // px to each side of a curve, where levels are compared
 constexpr int kMiddleAhead = 8;               // frames, at most, from the birth to the second comparison
 constexpr double kMostHurry = 4;              // times as many births as usual, and as few
 constexpr int kWidening = 3;                  // frames over which a strip widens and narrows
@@ -148,7 +148,7 @@ double StrokePlay::misfit(const StrokeLife& life, Point offset, int head) const 
     for (std::size_t k = 0; k < patches.size(); k += step, ++count) {
       const auto& patch = graph.patch(patches[k]);
       const Point normal{-std::sin(patch.theta), std::cos(patch.theta)};
-      for (const double side : {-kBeside, kBeside}) {
+      for (const double side : {-kCompareDistance, kCompareDistance}) {
         const Point from = patch.position + normal * side;
         const auto *a = clip_->pixel(life.first + lived, from), *b = shown_at(from + offset, head, lived);
         for (int c = 0; c < channels; ++c) unlike += std::abs(double(a[c]) - double(b[c])) / (2 * channels);
@@ -157,7 +157,7 @@ double StrokePlay::misfit(const StrokeLife& life, Point offset, int head) const 
       if (lived == 0 && std::ranges::any_of(near, [&](Index i) {
             return graph::distance(places_[i], patch.position + offset) < kCrowded;
           }))
-        unlike += kCrowdMisfit;
+        unlike += kCrowdCost;
     }
     sum += 0.5 * unlike / count;
   }
@@ -170,14 +170,14 @@ std::optional<StrokePlay::Candidate> StrokePlay::draw_candidate(bool in_company,
                                                                 core::Rng& rng) const {
   Candidate one;
   if (in_company) {
-    const Living& beside = living_[rng.below(static_cast<std::uint32_t>(living_.size()))];
+    const Living& companion = living_[rng.below(static_cast<std::uint32_t>(living_.size()))];
     std::vector<std::uint32_t> born;
     for (std::uint32_t at = 0; at < waiting_.size(); ++at)
-      if (std::abs(families_.lives[waiting_[at]].first - beside.shown.frame - 1) <= kCompanyFrames)
+      if (std::abs(families_.lives[waiting_[at]].first - companion.shown.frame - 1) <= kCompanyFrames)
         born.push_back(at);
     if (born.empty()) return std::nullopt;
     one.at = born[rng.below(static_cast<std::uint32_t>(born.size()))];
-    one.offset = rounded(beside.offset);
+    one.offset = rounded(companion.offset);
     return one;
   }
   one.at = rng.below(static_cast<std::uint32_t>(waiting_.size()));

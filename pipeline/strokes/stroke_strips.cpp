@@ -60,7 +60,7 @@ CurveDistance curve_distance(const graph::AttributeGraph& graph, const std::vect
   return result;
 }
 
-/// Closes pixels next to those of another source that are not next to their own curve.
+/// Opens the pixels that are next to those of another source, except near their own curve.
 void open_gaps(const cv::Mat1i& source, const cv::Mat1f& nearest, cv::Mat1b& mask) {
   cv::Mat1b border(source.size(), std::uint8_t{0});
   const auto differ = [&](cv::Point a, cv::Point b) {

@@ -9,15 +9,13 @@
 #include "core/parallel.hpp"
 #include "mcmc/simulation/linked_frames.hpp"
 #include "pipeline/footage/motion_scale.hpp"
-#include "pipeline/footage/turn.hpp"
 #include "pipeline/strokes/stroke_strips.hpp"
 #include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
-constexpr double kStripJoint = 8;   // px over which the frame between strips takes their levels
-constexpr int kCountedStrokes = 4;  // of so many frames one is compared with the clip's
+constexpr double kStripJoint = 8;  // px over which the frame between strips takes their levels
 }  // namespace
 
 StrokeSynthesis::StrokeSynthesis(std::vector<cv::Mat> footage, graph::MotionGraph strokes,
@@ -27,29 +25,22 @@ StrokeSynthesis::StrokeSynthesis(std::vector<cv::Mat> footage, graph::MotionGrap
       moments_(compare_moments(clip_->frames(), context)),
       play_(clip_, moments_, options.edit, options.seed),
       copied_(clip_->frames(), moving_pixels(clip_->frames())) {}
+
 int StrokeSynthesis::batch() const {
   const auto& frame = clip_->frame(0);
   return static_cast<int>(core::frames_at_once(frame.cols, frame.rows, frame.channels()));
 }
 
-StrokeMoment StrokeSynthesis::next_moment() {
-  auto moment = play_.next();
-  statistics_.patches.push_back(moment.graph.size());
-  statistics_.strokes.push_back(graph::components(moment.graph).count);
-  for (std::size_t k = 0; k < statistics_.operators.size(); ++k)
-    statistics_.operators[k] += static_cast<std::size_t>(moment.operators[k]);
+StrokeSynthesis::Moment StrokeSynthesis::next_moment() {
+  Moment moment{play_.next(), {}};
+  moment.turning = turning_.at(clip_->frames(), moment.strokes.shown);
+  statistics_.add(moment.strokes.graph, moment.strokes.operators);
   return moment;
 }
 
-/// Returns the frame that strokes which last are drawn from: one of the clip, or one of a transition.
-cv::Mat StrokeSynthesis::head_frame(const PlayedMoment& shown) const {
-  if (shown.half == 0) return clip_->frame(shown.frame);
-  return draw_turn(clip_->frames(), shown, turning_places(clip_->frames(), shown));
-}
-
-cv::Mat StrokeSynthesis::draw(const StrokeMoment& moment) const {
-  const cv::Mat head = head_frame(moment.shown);
-  const auto strips = draw_strips(*clip_, play_.families(), moment, head);
+cv::Mat StrokeSynthesis::draw(const Moment& moment) const {
+  const cv::Mat head = draw_moment(clip_->frames(), moment.strokes.shown, moment.turning);
+  const auto strips = draw_strips(*clip_, play_.families(), moment.strokes, head);
   cv::Mat levels, ground;
   strips.levels.convertTo(levels, CV_32F);
   head.convertTo(ground, CV_32F);
@@ -59,14 +50,14 @@ cv::Mat StrokeSynthesis::draw(const StrokeMoment& moment) const {
 void StrokeSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
                            const core::Context& context) {
   const auto room = static_cast<std::size_t>(batch());
-  std::vector<StrokeMoment> moments(room);
+  std::vector<Moment> moments(room);
   std::vector<cv::Mat> frames(room);
   core::parallel_stream(static_cast<std::size_t>(count), room, context,
                         {[&](std::size_t i) { moments[i % room] = next_moment(); },
                          [&](std::size_t i) { frames[i % room] = draw(moments[i % room]); },
                          [&](std::size_t i) {
                            cv::Mat& frame = frames[i % room];
-                           if (drawn_++ % kCountedStrokes == 0) {
+                           if (drawn_++ % CopiedShare::kEvery == 0) {
                              copied_.add(frame);
                              statistics_.copied_share = copied_.mean();
                            }

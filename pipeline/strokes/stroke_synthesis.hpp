@@ -11,6 +11,7 @@
 #include "core/context.hpp"
 #include "mcmc/simulation/edit_model.hpp"
 #include "pipeline/footage/copied_share.hpp"
+#include "pipeline/footage/turn.hpp"
 #include "pipeline/frame_method.hpp"
 #include "pipeline/strokes/stroke_play.hpp"
 
@@ -44,14 +45,18 @@ class StrokeSynthesis final : public FrameMethod {
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context = {}) const override;
 
  private:
-  [[nodiscard]] StrokeMoment next_moment();
-  [[nodiscard]] cv::Mat draw(const StrokeMoment& moment) const;
-  [[nodiscard]] cv::Mat head_frame(const PlayedMoment& shown) const;
+  struct Moment {
+    StrokeMoment strokes;
+    cv::Mat1f turning;  // places, of a transition
+  };
+  [[nodiscard]] Moment next_moment();
+  [[nodiscard]] cv::Mat draw(const Moment& moment) const;
 
   std::shared_ptr<const SeenClip> clip_;
   StrokeSynthesisOptions options_;
   LikeMoments moments_;
   StrokePlay play_;
+  TurningPlaces turning_;
   CopiedShare copied_;
   SynthesisStatistics statistics_;
   std::int64_t drawn_ = 0;
