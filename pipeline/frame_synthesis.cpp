@@ -69,7 +69,7 @@ sketch::FrameContent FrameSynthesis::next_parts() {
   std::vector<const graph::AttributeGraph*> coming;
   for (const auto& later : ahead_) coming.push_back(&later.graph);
   auto fading = fader_.next(drawn.graph, coming);
-  return {std::move(fading.graph), std::move(fading.opacity)};
+  return {fading.graph, std::move(fading.opacity)};
 }
 
 void FrameSynthesis::each(int count, const std::function<void(cv::Mat)>& take, const core::Context& context) {
