@@ -30,9 +30,8 @@ struct FigureEvent {
   double probability = 0;
 };
 
-/// Returns the changes of a clip, each with its probability: the share of the thresholds that see it. A split
-/// of bright figures where dark ones merge is one change: that of the bright ones, with the larger
-/// probability. Throws core::Cancelled.
+/// Returns the changes of a clip, each with its probability: the share of the thresholds that see it.
+/// Throws core::Cancelled.
 std::vector<FigureEvent> weigh_figure_changes(const FigureRegions& all, const FigureGround& ground,
                                               const core::Context& context);
 

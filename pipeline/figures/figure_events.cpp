@@ -2,17 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "pipeline/figures/figure_changes.hpp"
 
 namespace emberfold::pipeline {
-
-using graph::EventType;
 
 namespace {
 
@@ -54,15 +50,6 @@ WeighedReading joined(const std::array<WeighedReading, kFigureThresholds.size()>
   return events;
 }
 
-bool is_other_side(const FigureEvent& one, const FigureEvent& other) {
-  const FigureChange &a = one.change, &b = other.change;
-  const bool opposite = (a.type == EventType::split && b.type == EventType::merge) ||
-                        (a.type == EventType::merge && b.type == EventType::split);
-  return opposite && one.reading / kFigureThresholds.size() != other.reading / kFigureThresholds.size() &&
-         std::abs(double(a.frame) - double(b.frame)) <= kSameFrames &&
-         cv::norm(a.at - b.at) <= reach_of(std::min(a.width, b.width));
-}
-
 }  // namespace
 
 std::vector<FigureEvent> weigh_figure_changes(const FigureRegions& all, const FigureGround& ground,
@@ -77,21 +64,7 @@ std::vector<FigureEvent> weigh_figure_changes(const FigureRegions& all, const Fi
     }
     std::ranges::move(joined(of), std::back_inserter(events));
   }
-  std::ranges::sort(events, std::greater<>(), [](const FigureEvent& e) {
-    const bool is_drawn = kFigureThresholds[e.reading % kFigureThresholds.size()] == 0;
-    return std::tuple(is_drawn, kFigurePolarities[e.reading / kFigureThresholds.size()], e.probability,
-                      e.change.frame, e.change.at.x, e.change.at.y, e.reading);
-  });
-  std::vector<FigureEvent> once;
-  for (const FigureEvent& event : events) {
-    const auto same =
-        std::ranges::find_if(once, [&](const FigureEvent& first) { return is_other_side(event, first); });
-    if (same == once.end())
-      once.push_back(event);
-    else
-      same->probability = std::max(same->probability, event.probability);
-  }
-  return once;
+  return events;
 }
 
 }  // namespace emberfold::pipeline

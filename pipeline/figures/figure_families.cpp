@@ -2,6 +2,7 @@
 #include "pipeline/figures/figure_families.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include <boost/pending/disjoint_sets.hpp>
@@ -20,17 +21,19 @@ constexpr double kOnLine = 4;        // px from a drawn line
 constexpr double kMostDrawn = 0.75;  // of a family's area
 constexpr double kSharpEdges = 1.2;  // nats a pixel, of a family's outline
 // Cells of a grid of lines are dark figures of .9 nats a pixel between bright lines of 2.7.
-constexpr int kAlongside = 3;            // px from a figure's outline to a line's region
+// An outline of stripes or folds is that of the light ones.
+constexpr int kAlongside = 3;            // px from a figure's outline to a line's region, or a light figure's
 constexpr double kLeastAlong = 0.3;      // of a family's outline
 constexpr double kLeastFigure = 1. / 6;  // of a region, in a figure of threshold 0
 
 /// What all regions that links join have together.
 struct Family {
   double thickness = 0, length = 0, area = 0, wide = 0;
-  double rim = 0, nats = 0;  ///< pixels of outline, and what they explain
+  double rim = 0;            ///< pixels of outline
+  double nats = 0, sharp_nats = 0;  ///< what they explain, and what they do as a sharp edge
   double drawn = 0;          ///< pixels near drawn lines
   double outline = 0;        ///< pixels of outline away from the border
-  double along_lines = 0;    ///< of these, near lines that explain more
+  double alongside = 0;      ///< of these, near lines that explain more, or light figures
 
   [[nodiscard]] double gain() const { return rim > 0 ? nats / rim : 0; }
   /// Returns whether it is wider than a line, somewhere and in most places, or no longer than wide.
@@ -38,8 +41,10 @@ struct Family {
     return thickness >= kLeastThickness ? wide >= kLeastWide * area
                                         : thickness >= kWideDisc && length < kLongest;
   }
-  [[nodiscard]] bool is_undrawn() const { return gain() >= kSharpEdges && drawn < kMostDrawn * area; }
-  [[nodiscard]] bool is_ground() const { return along_lines > kLeastAlong * outline; }
+  [[nodiscard]] bool is_undrawn() const {
+    return sharp_nats >= kSharpEdges * rim && rim > 0 && drawn < kMostDrawn * area;
+  }
+  [[nodiscard]] bool is_ground() const { return alongside > kLeastAlong * outline; }
 };
 
 /// The families of one reading.
@@ -69,7 +74,8 @@ Families gather_families(const std::vector<FigureRegion>& regions) {
     family.thickness = std::max(family.thickness, region.thickness);
     family.length = std::max(family.length, region.area / (region.thickness * region.thickness));
     family.area += region.area, family.wide += region.wide;
-    family.rim += region.rim, family.nats += region.rim * region.gain();
+    family.rim += region.rim;
+    family.nats += region.rim * region.gain(), family.sharp_nats += region.rim * region.sharp_gain();
   }
   return families;
 }
@@ -81,18 +87,23 @@ void count_drawn(const cv::Mat1i& numbers, const cv::Mat1f& from_lines, Families
         ++families.of[families.of_region[static_cast<std::size_t>(numbers(y, x) - 1)]].drawn;
 }
 
-/// Counts the pixels of outlines near lines of the other polarity, those that are not wide, which explain
-/// more.
-void count_along_lines(const cv::Mat1i& numbers, const cv::Mat1i& other_numbers, const Families& others,
-                       const cv::Mat1b& inner, Families& families) {
+/// Counts the pixels of outlines, and those of them near what has the right to the outline: lines of the other
+/// polarity that explain more, and light figures.
+void count_alongside(const cv::Mat1i& numbers, const cv::Mat1i& other_numbers,
+                     const std::vector<FigureRegion>& other_regions, const Families& others,
+                     const cv::Mat1b& inner, Families& families) {
   static const cv::Mat near =
       cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kAlongside + 1, 2 * kAlongside + 1});
   cv::Mat1f explained(numbers.size(), 0.F);
   for (int y = 0; y < numbers.rows; ++y)
     for (int x = 0; x < numbers.cols; ++x) {
       if (other_numbers(y, x) == 0) continue;
-      const Family& other = others.of[others.of_region[static_cast<std::size_t>(other_numbers(y, x) - 1)]];
-      if (!other.is_wide()) explained(y, x) = static_cast<float>(other.gain());
+      const auto i = static_cast<std::size_t>(other_numbers(y, x) - 1);
+      const Family& other = others.of[others.of_region[i]];
+      if (!other.is_wide())
+        explained(y, x) = static_cast<float>(other.gain());
+      else if (other_regions[i].is_figure)
+        explained(y, x) = std::numeric_limits<float>::max();
     }
   cv::dilate(explained, explained, near);
   for (int y = 1; y + 1 < numbers.rows; ++y)
@@ -104,7 +115,7 @@ void count_along_lines(const cv::Mat1i& numbers, const cv::Mat1i& other_numbers,
         continue;
       Family& family = families.of[families.of_region[static_cast<std::size_t>(n - 1)]];
       ++family.outline;
-      if (explained(y, x) > family.gain()) ++family.along_lines;
+      if (explained(y, x) > family.gain()) ++family.alongside;
     }
 }
 
@@ -128,28 +139,24 @@ void share_figures(FigureRegions& all, std::size_t of, std::size_t r) {
 }  // namespace
 
 void find_families(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines) {
-  constexpr std::array<std::size_t, 2> kFirst = {0, kFigureThresholds.size()};  // readings of threshold 0
-  std::array<Families, 2> families = {gather_families(all.readings[kFirst[0]].regions),
-                                      gather_families(all.readings[kFirst[1]].regions)};
-  for (std::size_t t = 0; t < all.labels.size(); ++t) {
-    const std::array<cv::Mat1i, 2> numbers = {region_numbers(all, kFirst[0], t),
-                                              region_numbers(all, kFirst[1], t)};
-    const cv::Mat1f from_lines = distance_from_edges(lines.frames[t], ground.view);
-    const cv::Mat1b inner = inner_part(ground, t);
-    for (const std::size_t p : {0, 1}) {
-      count_drawn(numbers[p], from_lines, families[p]);
-      count_along_lines(numbers[p], numbers[1 - p], families[1 - p], inner, families[p]);
+  const auto first_reading = [](std::size_t polarity) { return polarity * kFigureThresholds.size(); };  // of 0
+  std::array<Families, 2> families;
+  for (const std::size_t p : {0, 1}) families[p] = gather_families(all.readings[first_reading(p)].regions);
+  for (const std::size_t p : {1, 0}) {  // light first
+    const std::size_t of = first_reading(p), other = first_reading(1 - p);
+    auto& regions = all.readings[of].regions;
+    for (std::size_t t = 0; t < all.labels.size(); ++t) {
+      const cv::Mat1i numbers = region_numbers(all, of, t);
+      count_drawn(numbers, distance_from_edges(lines.frames[t], ground.view), families[p]);
+      count_alongside(numbers, region_numbers(all, other, t), all.readings[other].regions, families[1 - p],
+                      inner_part(ground, t), families[p]);
     }
-  }
-  for (const std::size_t p : {0, 1}) {
-    auto& regions = all.readings[kFirst[p]].regions;
     for (std::size_t i = 0; i < regions.size(); ++i) {
       const Family& family = families[p].of[families[p].of_region[i]];
       regions[i].is_figure =
           !regions[i].is_removed && (family.is_wide() || family.is_undrawn()) && !family.is_ground();
     }
-    for (std::size_t r = kFirst[p] + 1; r < kFirst[p] + kFigureThresholds.size(); ++r)
-      share_figures(all, kFirst[p], r);
+    for (std::size_t r = of + 1; r < of + kFigureThresholds.size(); ++r) share_figures(all, of, r);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -14,10 +15,11 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr double kLeastShare = 0.15;   // of the smaller region's area that overlaps
-constexpr double kLeastNats = 0.6;     // a pixel, that two levels explain more than a plane does
+constexpr double kLeastNats = 0.7;     // a pixel, that two levels explain more than a plane does
 constexpr double kCorrelated = 2;      // px of an outline that are one observation
 constexpr double kChange = 15;         // nats
 constexpr double kMostOfBorder = 0.3;  // of the frame; more has ground
+constexpr double kHollow = -0.5;       // turns by absolute turns: outlines of ground are hollow
 constexpr double kGround = -1e6;       // nats that ground gains: it is never a figure
 
 using Link = std::pair<std::size_t, std::size_t>;  // a region, one of the next frame
@@ -51,7 +53,13 @@ Weights links_between(const FigureRegions& all, std::size_t r, std::size_t t, co
 /// The regions of a reading, the links of which form chains and stars.
 class LinkedReading {
  public:
-  explicit LinkedReading(std::vector<FigureRegion>& regions) : regions_(regions) {}
+  LinkedReading(std::vector<FigureRegion>& regions, std::size_t frames)
+      : regions_(regions), turned_(frames, {0, 0}) {
+    for (const FigureRegion& region : regions) {
+      turned_[region.frame][0] += region.turning;
+      turned_[region.frame][1] += std::abs(region.turning);
+    }
+  }
 
   /// Adds the links of a gap. Of links with others at both ends, the weakest go: stars are left.
   void add(const Weights& links) {
@@ -67,7 +75,7 @@ class LinkedReading {
   }
 
   /// Removes chains that do not explain the frames.
-  void remove_unexplaining(std::size_t frames, cv::Size view) {
+  void remove_unexplaining(cv::Size view) {
     Labelling of;
     of.change = kChange;
     std::vector<std::size_t> unit_of(regions_.size(), kNoRegion);
@@ -75,7 +83,7 @@ class LinkedReading {
       if (!begins_chain(i)) continue;
       const auto chain = chain_from(i);
       for (const std::size_t j : chain) unit_of[j] = of.gain.size();
-      of.gain.push_back(gain_of_chain(chain, frames, view));
+      of.gain.push_back(is_ground(chain, view) ? kGround : gain_of_chain(chain));
     }
     for (std::size_t i = 0; i < regions_.size(); ++i)
       for (const auto* parts : {&regions_[i].next, &regions_[i].before})
@@ -111,23 +119,32 @@ class LinkedReading {
     return chain;
   }
 
-  /// Returns the nats by which a chain explains the frames better than nothing does, less its free ends
-  /// inside the clip.
-  [[nodiscard]] double gain_of_chain(const std::vector<std::size_t>& chain, std::size_t frames,
-                                     cv::Size view) const {
-    const FigureRegion &first = regions_[chain.front()], &last = regions_[chain.back()];
-    double gain = 0, border = 0;
+  /// Returns whether a chain is what figures of the other polarity lie on: it has much of the frame's border,
+  /// and this polarity's outlines are hollow.
+  [[nodiscard]] bool is_ground(const std::vector<std::size_t>& chain, cv::Size view) const {
+    double border = 0, turns = 0, absolute = 0;
     for (const std::size_t j : chain) {
       border += regions_[j].border;
-      gain += regions_[j].rim / kCorrelated * (regions_[j].gain() - kLeastNats);
+      turns += turned_[regions_[j].frame][0], absolute += turned_[regions_[j].frame][1];
     }
-    if (border >= kMostOfBorder * 2 * (view.width + view.height) * double(chain.size())) return kGround;
+    return border >= kMostOfBorder * 2 * (view.width + view.height) * double(chain.size()) &&
+           turns <= kHollow * absolute;
+  }
+
+  /// Returns the nats by which a chain explains the frames better than nothing does, less its free ends
+  /// inside the clip.
+  [[nodiscard]] double gain_of_chain(const std::vector<std::size_t>& chain) const {
+    const FigureRegion &first = regions_[chain.front()], &last = regions_[chain.back()];
+    double gain = 0;
+    for (const std::size_t j : chain)
+      gain += regions_[j].rim / kCorrelated * (regions_[j].gain() - kLeastNats);
     if (first.before.empty() && first.frame > 0 && first.border == 0) gain -= kChange;
-    if (last.next.empty() && last.frame + 1 < frames && last.border == 0) gain -= kChange;
+    if (last.next.empty() && last.frame + 1 < turned_.size() && last.border == 0) gain -= kChange;
     return gain;
   }
 
   std::vector<FigureRegion>& regions_;
+  std::vector<std::array<double, 2>> turned_;  // by frame: turns of all outlines, absolute turns
 };
 
 }  // namespace
@@ -140,9 +157,9 @@ void link_figure_regions(FigureRegions& all, const FigureGround& ground, const g
     for (std::size_t r = 0; r < kFigureReadings; ++r) links[t][r] = links_between(all, r, t, ground);
   });
   for (std::size_t r = 0; r < kFigureReadings; ++r) {
-    LinkedReading linked(all.readings[r].regions);
+    LinkedReading linked(all.readings[r].regions, frames);
     for (const auto& gap : links) linked.add(gap[r]);
-    linked.remove_unexplaining(frames, ground.view.size);
+    linked.remove_unexplaining(ground.view.size);
     context.check();
   }
   find_families(all, ground, lines);

@@ -18,7 +18,7 @@ constexpr int kLeastArea = 12;  // px²: about a disc as wide as the smoothing
 constexpr int kSeenBorder = 2;  // px
 constexpr int kConnectivity = 8;
 constexpr int kAround = 8;         // px about a region that it has to explain
-constexpr double kSoftEdge = 1.4;  // px, SD
+constexpr double kSharpEdge = 1.4, kSoftEdge = 3;  // px, SD
 
 /// The regions of one frame and reading.
 struct FrameRegions {
@@ -31,9 +31,13 @@ void explain_regions(const cv::Mat1i& number, const cv::Mat1b& label, const cv::
                      std::vector<FigureRegion>& regions) {
   static const cv::Mat near =
       cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kAround + 1, 2 * kAround + 1});
-  cv::Mat1f soft;
-  label.convertTo(soft, CV_32F);
-  cv::GaussianBlur(soft, soft, {0, 0}, kSoftEdge, kSoftEdge, cv::BORDER_REPLICATE);
+  const auto with_edge = [&](double sd) {
+    cv::Mat1f image;
+    label.convertTo(image, CV_32F);
+    cv::GaussianBlur(image, image, {0, 0}, sd, sd, cv::BORDER_REPLICATE);
+    return image;
+  };
+  const cv::Mat1f sharp = with_edge(kSharpEdge), soft = with_edge(kSoftEdge);
   for (std::size_t i = 0; i < regions.size(); ++i) {
     FigureRegion& region = regions[i];
     const cv::Rect box = cv::Rect(region.box.tl() - cv::Point(kAround, kAround),
@@ -42,9 +46,10 @@ void explain_regions(const cv::Mat1i& number, const cv::Mat1b& label, const cv::
     cv::Mat1b about = cv::Mat(number(box) == static_cast<int>(i) + 1);
     cv::dilate(about, about, near);
     const double floor = cv::countNonZero(about) * noise * noise + 1e-9;
-    const LeftSquares left = left_squares(level(box), soft(box), about);
+    const LeftSquares left = left_squares(level(box), sharp(box), about);
     region.plane = left.by_plane + floor;
-    region.figure = left.by_figure + floor;
+    region.sharp = left.by_figure + floor;
+    region.soft = left_squares(level(box), soft(box), about).by_figure + floor;
   }
 }
 
@@ -60,6 +65,22 @@ void measure_widths(const cv::Mat1i& number, const cv::Mat1b& label, std::vector
       FigureRegion& region = regions[static_cast<std::size_t>(number(y, x) - 1)];
       region.thickness = std::max(region.thickness, 2. * depth(y, x) - 1);
       if (to_centre(y, x) < kInside) ++region.wide;
+    }
+}
+
+/// Counts the turns of the regions' outlines: a quarter at each corner of their pixels (Gray 1971).
+void measure_turning(const cv::Mat1i& number, std::vector<FigureRegion>& regions) {
+  for (int y = 0; y + 1 < number.rows; ++y)
+    for (int x = 0; x + 1 < number.cols; ++x) {
+      const std::array of = {number(y, x), number(y, x + 1), number(y + 1, x + 1), number(y + 1, x)};
+      const int n = *std::ranges::max_element(of);
+      const auto inside = std::ranges::count(of, n);
+      if (n == 0 || inside == 4) continue;
+      double& turning = regions[static_cast<std::size_t>(n - 1)].turning;
+      if (inside != 2)
+        turning += inside == 1 ? 0.25 : -0.25;
+      else if (of[0] == of[2])  // two corners where pixels touch
+        turning -= 0.5;
     }
 }
 
@@ -95,6 +116,7 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
       else if (core(y, x) == 0)
         ++region.rim;
     }
+  measure_turning(number, found.regions);
   if (with_widths) measure_widths(number, label, found.regions);
   explain_regions(number, label, level, noise, found.regions);
   return found;

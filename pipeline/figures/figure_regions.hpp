@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -24,8 +25,10 @@ struct FigureRegion {
   cv::Rect box;
   double border = 0;  ///< px, its length along the border of frame and mask
   int rim = 0;        ///< pixels of the outline further than 2 px from that
-  /// Sums of squares, (grey levels)², that a plane and that two levels leave within 8 px of the region.
-  double plane = 0, figure = 0;
+  double turning = 0; ///< full turns of its outline inside the frame: 1 for each outer one, −1 for each hole
+  /// Sums of squares, (grey levels)², that a plane and that two levels leave within 8 px of the region, with a
+  /// sharp edge between those and with a soft one.
+  double plane = 0, sharp = 0, soft = 0;
   double thickness = 0;  ///< diameter of the largest disc inside; at threshold 0 alone, as `wide`
   int wide = 0;          ///< pixels that discs of kWideDisc inside cover
   bool is_figure = false;
@@ -35,7 +38,8 @@ struct FigureRegion {
   /// Returns the width of a strip of this area and outline; half of the diameter of a disc.
   [[nodiscard]] double width() const { return 2. * area / std::max(1, rim); }
   /// Returns the nats a pixel of outline by which two levels explain more than a plane does.
-  [[nodiscard]] double gain() const { return 0.5 * std::log(plane / figure); }
+  [[nodiscard]] double gain() const { return 0.5 * std::log(plane / std::min(sharp, soft)); }
+  [[nodiscard]] double sharp_gain() const { return 0.5 * std::log(plane / sharp); }
 };
 
 /// The regions of all frames for one polarity and one threshold of the amplitude.
@@ -50,7 +54,7 @@ inline constexpr std::size_t kNoRegion = ~std::size_t{0};
 inline constexpr double kWideDisc = 6;  ///< px, a diameter: what no such disc fits into is a line
 
 /// Thresholds of the amplitude. A change that is seen at all of them is sure.
-inline constexpr std::array<double, 3> kFigureThresholds = {0, -0.3, 0.3};
+inline constexpr std::array<double, 3> kFigureThresholds = {0, -0.2, 0.2};
 inline constexpr std::size_t kFigureReadings = kFigurePolarities.size() * kFigureThresholds.size();
 
 /// Holds a clip's regions for each polarity (its thresholds one after the other).

@@ -13,6 +13,7 @@
 #include "core/clip/masked_source.hpp"
 #include "core/parallel.hpp"
 #include "pipeline/figures/figure_ground.hpp"
+#include "pipeline/figures/figure_regions.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/sketch_scene.hpp"
@@ -182,11 +183,17 @@ TEST_CASE("where bright stripes part and dark ones join the bright ones do") {
     const double gap = 150 * reached(t - 20., 2) * disc(p, {80, 56}, 9);
     return 110 + inside * (stripes - gap);
   });
-  const auto events = believed(figures_of(clip));
+  const auto figures = figures_of(clip);
+  const auto events = believed(figures);
   REQUIRE(events.size() == 1);
   CHECK(separates(events[0].type));
   CHECK(std::abs(events[0].frame - 20) <= 3);
   CHECK(distance(events[0].position, {80, 56}) < 10);
+  // Of the two stripes that share an outline it is the bright one's.
+  const auto& drawn = figures.motion.sketch.frames.front();
+  CHECK(graph::components(drawn).count == 2);
+  for (const auto& vertex : drawn.vertices())
+    CHECK(std::min(std::abs(vertex.patch.position.y - 56), std::abs(vertex.patch.position.y - 88)) < 11);
 }
 
 TEST_CASE("ground that discs cut off from half of the border is no figure, half discs there are") {
@@ -199,6 +206,28 @@ TEST_CASE("ground that discs cut off from half of the border is no figure, half 
   });
   for (const auto& graph : figures_of(clip).motion.sketch.frames)
     CHECK(graph::components(graph).count == centres.size());
+}
+
+TEST_CASE("what has half of the border is a figure where outlines are not hollow") {
+  const auto clip = film([](Point p, int) {
+    const double half = reached(60 - p.x, 1.5);
+    return levels(std::max({half, disc(p, {110, 35}, 14), disc(p, {110, 85}, 14)}), true);
+  });
+  for (const auto& graph : figures_of(clip).motion.sketch.frames) CHECK(graph::components(graph).count == 3);
+}
+
+TEST_CASE("edges that are soft explain a figure as sharp ones do") {
+  const auto clip = film([](Point p, int) { return levels(reached(16 - distance(p, {80, 60}), 5), true); });
+  core::ClipSource source(clip);
+  const auto ground = pipeline::measure_figure_ground(source, {});
+  const auto all = pipeline::find_figure_regions(source, ground, {});
+  const auto& bright = all.readings[pipeline::kFigureThresholds.size()].regions;
+  REQUIRE(bright.size() == kFrames);
+  for (const auto& region : bright) {
+    CHECK(region.gain() > 1.7);
+    CHECK(region.sharp_gain() < 1.5);
+    CHECK(region.turning == 1);
+  }
 }
 
 TEST_CASE("a drop from which thin lines run is no figure, a drop with a short tail is") {
@@ -228,6 +257,18 @@ TEST_CASE("a figure of two frames is born and dies") {
   CHECK(events[0].frame == 20);
   CHECK(events[1].type == EventType::death);
   CHECK(events[1].frame == 22);
+}
+
+TEST_CASE("what is left of a figure before it dies does not move its death") {
+  const auto clip = film([](Point p, int t) {
+    const double from = t < 20 ? 50 : 98;  // a bar to 110; its end is left for one frame
+    const double along = std::min(p.x - from, 110 - p.x), across = 10 - std::abs(p.y - 60);
+    return levels(t > 20 ? 0 : reached(std::min(along, across), 1), true);
+  });
+  const auto events = believed(figures_of(clip));
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].type == EventType::death);
+  CHECK(distance(events[0].position, {80, 60}) < 4);
 }
 
 TEST_CASE("outlines lie on the edge, with the levels of both sides and the bright one to the right") {
