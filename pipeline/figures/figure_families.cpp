@@ -29,11 +29,11 @@ constexpr double kLeastFigure = 1. / 6;  // of a region, in a figure of threshol
 /// What all regions that links join have together.
 struct Family {
   double thickness = 0, length = 0, area = 0, wide = 0;
-  double rim = 0;            ///< pixels of outline
+  double rim = 0;                   ///< pixels of outline
   double nats = 0, sharp_nats = 0;  ///< what they explain, and what they do as a sharp edge
-  double drawn = 0;          ///< pixels near drawn lines
-  double outline = 0;        ///< pixels of outline away from the border
-  double alongside = 0;      ///< of these, near lines that explain more, or light figures
+  double drawn = 0;                 ///< pixels near drawn lines
+  double outline = 0;               ///< pixels of outline away from the border
+  double alongside = 0;             ///< of these, near lines that explain more, or light figures
 
   [[nodiscard]] double gain() const { return rim > 0 ? nats / rim : 0; }
   /// Returns whether it is wider than a line, somewhere and in most places, or no longer than wide.
@@ -87,8 +87,8 @@ void count_drawn(const cv::Mat1i& numbers, const cv::Mat1f& from_lines, Families
         ++families.of[families.of_region[static_cast<std::size_t>(numbers(y, x) - 1)]].drawn;
 }
 
-/// Counts the pixels of outlines, and those of them near what has the right to the outline: lines of the other
-/// polarity that explain more, and light figures.
+/// Counts the pixels of outlines, and those of them near what has the right to the outline: lines of the
+/// other polarity that explain more, and light figures.
 void count_alongside(const cv::Mat1i& numbers, const cv::Mat1i& other_numbers,
                      const std::vector<FigureRegion>& other_regions, const Families& others,
                      const cv::Mat1b& inner, Families& families) {
@@ -139,7 +139,9 @@ void share_figures(FigureRegions& all, std::size_t of, std::size_t r) {
 }  // namespace
 
 void find_families(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines) {
-  const auto first_reading = [](std::size_t polarity) { return polarity * kFigureThresholds.size(); };  // of 0
+  const auto first_reading = [](std::size_t polarity) {
+    return polarity * kFigureThresholds.size();
+  };  // of 0
   std::array<Families, 2> families;
   for (const std::size_t p : {0, 1}) families[p] = gather_families(all.readings[first_reading(p)].regions);
   for (const std::size_t p : {1, 0}) {  // light first

@@ -17,7 +17,7 @@ namespace {
 constexpr int kLeastArea = 12;  // px²: about a disc as wide as the smoothing
 constexpr int kSeenBorder = 2;  // px
 constexpr int kConnectivity = 8;
-constexpr int kAround = 8;         // px about a region that it has to explain
+constexpr int kAround = 8;                         // px about a region that it has to explain
 constexpr double kSharpEdge = 1.4, kSoftEdge = 3;  // px, SD
 
 /// The regions of one frame and reading.

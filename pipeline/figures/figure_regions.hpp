@@ -25,9 +25,9 @@ struct FigureRegion {
   cv::Rect box;
   double border = 0;  ///< px, its length along the border of frame and mask
   int rim = 0;        ///< pixels of the outline further than 2 px from that
-  double turning = 0; ///< full turns of its outline inside the frame: 1 for each outer one, −1 for each hole
-  /// Sums of squares, (grey levels)², that a plane and that two levels leave within 8 px of the region, with a
-  /// sharp edge between those and with a soft one.
+  double turning = 0;  ///< full turns of its outline inside the frame: 1 for each outer one, −1 for each hole
+  /// Sums of squares, (grey levels)², that a plane and that two levels leave within 8 px of the region, with
+  /// a sharp edge between those and with a soft one.
   double plane = 0, sharp = 0, soft = 0;
   double thickness = 0;  ///< diameter of the largest disc inside; at threshold 0 alone, as `wide`
   int wide = 0;          ///< pixels that discs of kWideDisc inside cover
