@@ -104,16 +104,17 @@ std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::siz
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const FigureRegion& region = regions[i];
     if (!region.is_figure) continue;
-    // What is left of a figure before it dies lies at one end of it.
-    const auto place = [&](const std::vector<std::size_t>& beside) {
-      const bool larger = beside.size() == 1 && regions[beside[0]].area > region.area;
-      return larger ? regions[beside[0]].centre : region.centre;
+    // The last remains of a figure are at one end of it.
+    const auto centre_with = [&](const std::vector<std::size_t>& adjacent) {
+      const bool is_larger = adjacent.size() == 1 && regions[adjacent[0]].area > region.area;
+      return is_larger ? regions[adjacent[0]].centre : region.centre;
     };
     const bool can_end = region.border == 0;
     if (can_end && region.before.empty() && region.frame > 0)
-      changes.push_back({region.frame, EventType::birth, place(region.next), region.width(), i, i});
+      changes.push_back({region.frame, EventType::birth, centre_with(region.next), region.width(), i, i});
     if (can_end && region.next.empty() && region.frame + 1 < frames)
-      changes.push_back({region.frame + 1, EventType::death, place(region.before), region.width(), i, i});
+      changes.push_back(
+          {region.frame + 1, EventType::death, centre_with(region.before), region.width(), i, i});
     for (const bool splits : {true, false}) {
       const auto& parts = splits ? region.next : region.before;
       if (parts.size() < 2) continue;

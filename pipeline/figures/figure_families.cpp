@@ -42,7 +42,7 @@ struct Family {
                                         : thickness >= kWideDisc && length < kLongest;
   }
   [[nodiscard]] bool is_undrawn() const {
-    return sharp_nats >= kSharpEdges * rim && rim > 0 && drawn < kMostDrawn * area;
+    return sharp_nats >= kSharpEdges * std::max(1., rim) && drawn < kMostDrawn * area;
   }
   [[nodiscard]] bool is_ground() const { return alongside > kLeastAlong * outline; }
 };
@@ -139,18 +139,20 @@ void share_figures(FigureRegions& all, std::size_t of, std::size_t r) {
 }  // namespace
 
 void find_families(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines) {
-  const auto first_reading = [](std::size_t polarity) {
-    return polarity * kFigureThresholds.size();
-  };  // of 0
-  std::array<Families, 2> families;
-  for (const std::size_t p : {0, 1}) families[p] = gather_families(all.readings[first_reading(p)].regions);
-  for (const std::size_t p : {1, 0}) {  // light first
-    const std::size_t of = first_reading(p), other = first_reading(1 - p);
+  constexpr std::array<std::size_t, 2> kFirst = {0, kFigureThresholds.size()};  // readings of threshold 0
+  std::array<Families, 2> families = {gather_families(all.readings[kFirst[0]].regions),
+                                      gather_families(all.readings[kFirst[1]].regions)};
+  for (const std::size_t p : {1, 0}) {  // light first: no dark region is a figure yet
+    const std::size_t of = kFirst[p], other = kFirst[1 - p];
     auto& regions = all.readings[of].regions;
     for (std::size_t t = 0; t < all.labels.size(); ++t) {
-      const cv::Mat1i numbers = region_numbers(all, of, t);
-      count_drawn(numbers, distance_from_edges(lines.frames[t], ground.view), families[p]);
-      count_alongside(numbers, region_numbers(all, other, t), all.readings[other].regions, families[1 - p],
+      const cv::Mat1i numbers = region_numbers(all, of, t), other_numbers = region_numbers(all, other, t);
+      if (p == 1) {  // both at once: the distance is the same
+        const cv::Mat1f from_lines = distance_from_edges(lines.frames[t], ground.view);
+        count_drawn(numbers, from_lines, families[p]);
+        count_drawn(other_numbers, from_lines, families[1 - p]);
+      }
+      count_alongside(numbers, other_numbers, all.readings[other].regions, families[1 - p],
                       inner_part(ground, t), families[p]);
     }
     for (std::size_t i = 0; i < regions.size(); ++i) {

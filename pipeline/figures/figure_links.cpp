@@ -54,10 +54,10 @@ Weights links_between(const FigureRegions& all, std::size_t r, std::size_t t, co
 class LinkedReading {
  public:
   LinkedReading(std::vector<FigureRegion>& regions, std::size_t frames)
-      : regions_(regions), turned_(frames, {0, 0}) {
+      : regions_(regions), turns_of_frame_(frames) {
     for (const FigureRegion& region : regions) {
-      turned_[region.frame][0] += region.turning;
-      turned_[region.frame][1] += std::abs(region.turning);
+      turns_of_frame_[region.frame].sum += region.turning;
+      turns_of_frame_[region.frame].absolute += std::abs(region.turning);
     }
   }
 
@@ -97,6 +97,11 @@ class LinkedReading {
   }
 
  private:
+  /// Turns of the outlines of a frame.
+  struct Turns {
+    double sum = 0, absolute = 0;
+  };
+
   void cut(Link link) {
     std::erase(regions_[link.first].next, link.second);
     std::erase(regions_[link.second].before, link.first);
@@ -122,13 +127,15 @@ class LinkedReading {
   /// Returns whether a chain is what figures of the other polarity lie on: it has much of the frame's border,
   /// and this polarity's outlines are hollow.
   [[nodiscard]] bool is_ground(const std::vector<std::size_t>& chain, cv::Size view) const {
-    double border = 0, turns = 0, absolute = 0;
+    double border = 0;
+    Turns turns;
     for (const std::size_t j : chain) {
+      const Turns& of_frame = turns_of_frame_[regions_[j].frame];
       border += regions_[j].border;
-      turns += turned_[regions_[j].frame][0], absolute += turned_[regions_[j].frame][1];
+      turns.sum += of_frame.sum, turns.absolute += of_frame.absolute;
     }
     return border >= kMostOfBorder * 2 * (view.width + view.height) * double(chain.size()) &&
-           turns <= kHollow * absolute;
+           turns.sum <= kHollow * turns.absolute;
   }
 
   /// Returns the nats by which a chain explains the frames better than nothing does, less its free ends
@@ -139,12 +146,12 @@ class LinkedReading {
     for (const std::size_t j : chain)
       gain += regions_[j].rim / kCorrelated * (regions_[j].gain() - kLeastNats);
     if (first.before.empty() && first.frame > 0 && first.border == 0) gain -= kChange;
-    if (last.next.empty() && last.frame + 1 < turned_.size() && last.border == 0) gain -= kChange;
+    if (last.next.empty() && last.frame + 1 < turns_of_frame_.size() && last.border == 0) gain -= kChange;
     return gain;
   }
 
   std::vector<FigureRegion>& regions_;
-  std::vector<std::array<double, 2>> turned_;  // by frame: turns of all outlines, absolute turns
+  std::vector<Turns> turns_of_frame_;
 };
 
 }  // namespace

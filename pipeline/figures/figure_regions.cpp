@@ -46,10 +46,9 @@ void explain_regions(const cv::Mat1i& number, const cv::Mat1b& label, const cv::
     cv::Mat1b about = cv::Mat(number(box) == static_cast<int>(i) + 1);
     cv::dilate(about, about, near);
     const double floor = cv::countNonZero(about) * noise * noise + 1e-9;
-    const LeftSquares left = left_squares(level(box), sharp(box), about);
+    const LeftSquares left = left_squares(level(box), {sharp(box), soft(box)}, about);
     region.plane = left.by_plane + floor;
-    region.sharp = left.by_figure + floor;
-    region.soft = left_squares(level(box), soft(box), about).by_figure + floor;
+    region.sharp = left.by_figures[0] + floor, region.soft = left.by_figures[1] + floor;
   }
 }
 
@@ -73,9 +72,9 @@ void measure_turning(const cv::Mat1i& number, std::vector<FigureRegion>& regions
   for (int y = 0; y + 1 < number.rows; ++y)
     for (int x = 0; x + 1 < number.cols; ++x) {
       const std::array of = {number(y, x), number(y, x + 1), number(y + 1, x + 1), number(y + 1, x)};
+      if (of[0] == of[1] && of[1] == of[2] && of[2] == of[3]) continue;
       const int n = *std::ranges::max_element(of);
       const auto inside = std::ranges::count(of, n);
-      if (n == 0 || inside == 4) continue;
       double& turning = regions[static_cast<std::size_t>(n - 1)].turning;
       if (inside != 2)
         turning += inside == 1 ? 0.25 : -0.25;

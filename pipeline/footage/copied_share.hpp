@@ -11,7 +11,7 @@ namespace emberfold::pipeline {
 /// Measures how much of new frames is copied from single frames of a footage.
 class CopiedShare {
  public:
-  static constexpr int kEvery = 4;  ///< of so many new frames one is added
+  static constexpr int kEvery = 4;  ///< compares every fourth new frame
   /// Examines up to 4096 moving pixels, evenly spread. `footage`: CV_8U, of one size; `moves`: its
   /// moving_pixels.
   CopiedShare(const std::vector<cv::Mat>& footage, const cv::Mat1b& moves);
