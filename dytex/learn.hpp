@@ -104,8 +104,9 @@ struct LearnResult {
 ///
 /// The source is read from its beginning: once if all frames fit in `memory`, else once for every block of
 /// pixels that does, and once more. The same bytes at any thread count and any budget of memory. Throws
-/// InputError where n is above τ − 1, where there are fewer than 2 or more than 5000 frames or too few for
-/// the options, or where a value is not finite. O(m τ²) + O(τ³).
+/// InputError where n is above τ − 1, where there are fewer than 2 or more than 5000 frames
+/// (learn_by_blocks() takes more) or too few for the options, or where a value is not finite. O(m τ²) +
+/// O(τ³).
 LearnResult learn(core::FrameSource& source, const LearnOptions& options = {},
                   const core::Context& context = {});
 

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/commands/dytex_learn.hpp"
-
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <sstream>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/builtin/open_clip.hpp"
+#include "apps/cli/command_line.hpp"
 #include "apps/cli/interrupt.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/commands/dytex.hpp"
 #include "apps/commands/dytex_em.hpp"
-#include "apps/distributed/mpi_job.hpp"
 #include "apps/pictures/png.hpp"
 #include "apps/textures/texture_modes.hpp"
 #include "apps/textures/texture_picture.hpp"
+#include "core/clip.hpp"
 #include "core/io/mask_file.hpp"
 #include "core/io/model_folder.hpp"
 #include "core/io/require_apart.hpp"
+#include "core/io/staged_output.hpp"
 #include "dytex/learn.hpp"
+#include "dytex/learning/learn_by_blocks.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/model/layers.hpp"
 
@@ -29,6 +31,18 @@ namespace emberfold::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Request of `dytex learn`.
+struct TextureLearning {
+  Reading reading;
+  std::string output, mask;
+  dytex::LearnOptions options;
+  bool asked_components = false, asked_energy = false, asked_order = false;
+  double energy = 0.95;
+  EmRequest em;
+  int block = 0;  ///< frames decomposed at a time; 0: all, or a size that suits a long clip
+  std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
+};
 
 // The words of an option and their values.
 template <class Value>
@@ -52,9 +66,8 @@ Value value_of(const Words<Value>& words, const std::string& word) {
   return std::ranges::find(words, word, &Words<Value>::value_type::first)->second;
 }
 
-}  // namespace
-
-// Reduces the default of fifty components, meant for long clips, for short ones.
+/// Reduces the default number of components for a short clip. Throws IoError for a clip of one frame, Misuse
+/// where more are requested than possible.
 void fit_to_length(TextureLearning& asked, const core::ClipInfo& info, const Session& session) {
   if (!info.frames) return;
   const auto most = *info.frames - 1;
@@ -70,15 +83,11 @@ void fit_to_length(TextureLearning& asked, const core::ClipInfo& info, const Ses
                       " frames: " + std::to_string(most) + " components are learned");
 }
 
-namespace {
-
 const char* transition_name(dytex::Transition transition) {
   constexpr std::array<const char*, 5> kNames{"least_squares", "yule_walker", "soc", "n4sid",
                                               "prediction_error"};
   return kNames[static_cast<std::size_t>(transition)];
 }
-
-}  // namespace
 
 Json learn_summary(const TextureLearning& asked, const io::ReadOptions& read, const core::ClipInfo& info,
                    const dytex::LearnResult& learned, const Session& session) {
@@ -93,7 +102,8 @@ Json learn_summary(const TextureLearning& asked, const io::ReadOptions& read, co
                   {"method", asked.method},
                   {"stable", asked.stable},
                   {"noise", asked.noise},
-                  {"noise_rank", asked.options.noise_rank}});
+                  {"noise_rank", asked.options.noise_rank},
+                  {"block", asked.block}});
   options["mask"] = asked.mask.empty() ? Json(nullptr) : Json(asked.mask);
   summary["options"] = {{"reading", reading_json(read)}, {"learn", std::move(options)}};
   summary["texture"] = texture_json(texture);
@@ -109,12 +119,6 @@ Json learn_summary(const TextureLearning& asked, const io::ReadOptions& read, co
   return summary;
 }
 
-void write_components(io::OutputFolder& output, const dytex::LinearDynamicTexture& texture) {
-  write_png(output, "components.png", draw_components(texture));
-}
-
-namespace {
-
 void check_options(const dytex::LearnOptions& options) {
   try {
     options.validate();
@@ -126,10 +130,20 @@ void check_options(const dytex::LearnOptions& options) {
   }
 }
 
+bool is_by_blocks(const TextureLearning& asked, const core::ClipInfo& info) {
+  return asked.block > 0 || dytex::needs_blocks(info);
+}
+
+dytex::LearnResult learn_frames(const TextureLearning& asked, core::FrameSource& source,
+                                const core::Context& context) {
+  if (!is_by_blocks(asked, source.info())) return dytex::learn(source, asked.options, context);
+  return dytex::learn_by_blocks(source, asked.options, static_cast<std::size_t>(asked.block), context);
+}
+
 /// Learns only from the region inside the mask, if there is one.
 dytex::LearnResult learn_region(const TextureLearning& asked, core::FrameSource& source,
                                 const core::Context& context) {
-  if (asked.mask.empty()) return dytex::learn(source, asked.options, context);
+  if (asked.mask.empty()) return learn_frames(asked, source, context);
   const cv::Mat mask = io::read_mask(asked.mask);
   std::unique_ptr<dytex::RegionSource> region;
   try {
@@ -137,19 +151,19 @@ dytex::LearnResult learn_region(const TextureLearning& asked, core::FrameSource&
   } catch (const core::InputError& error) {
     throw Misuse("--mask: " + asked.mask + ": " + error.what());
   }
-  auto learned = dytex::learn(*region, asked.options, context);
+  auto learned = learn_frames(asked, *region, context);
   dytex::confine(learned.texture, mask);
   return learned;
 }
 
 dytex::LearnResult learn_texture(const TextureLearning& asked, core::FrameSource& source, Session& session) {
   try {
-    auto learned = learn_region(asked, source, session.context);
-    return learned;
+    return learn_region(asked, source, session.context);
   } catch (const Misuse&) {
     throw;
   } catch (const core::InputError& error) {
-    throw Misuse(learning_message(asked, error.what()));
+    // "lags: …" keeps its prefix: it is the option's name.
+    throw Misuse(asked.reading.clip + ": " + with_option_name(error.what(), "components"));
   }
 }
 
@@ -165,13 +179,7 @@ void take_words(TextureLearning& asked) {
     throw Misuse("learn.block is " + std::to_string(asked.block) + "; allowed is at least 0");
 }
 
-}  // namespace
-
-std::string learning_message(const TextureLearning& asked, const std::string& message) {
-  // "lags: …" keeps its prefix: it is the option's name.
-  return asked.reading.clip + ": " + with_option_name(message, "components");
-}
-
+/// Checks the options and parses the textual ones into `options`. Throws Misuse.
 io::ReadOptions check_learning(TextureLearning& asked, const Session& session) {
   take_words(asked);
   io::ReadOptions read = check_reading(asked.reading, session);
@@ -190,12 +198,7 @@ void say_learned(const TextureLearning& asked, const dytex::LinearDynamicTexture
   session.console.say(said.str());
 }
 
-namespace {
-
 void run_learn(TextureLearning asked, Session& session) {
-  if (is_left_out()) return;
-  const auto job = join_mpi_job();
-  if (job || asked.block > 0) return learn_on_ranks(asked, session, job.get());
   const io::ReadOptions read = check_learning(asked, session);
   io::require_apart({asked.reading.clip, asked.mask, asked.em.missing}, {{asked.output}, {asked.em.filled}});
   require_new({asked.em.filled}, session.common);
@@ -205,13 +208,16 @@ void run_learn(TextureLearning asked, Session& session) {
   const auto source = open_held_clip(asked.reading.clip, read, session);
   fit_to_length(asked, source->info(), session);
   check_options(asked.options);
+  if (asked.em.is_needed() && is_by_blocks(asked, source->info()))
+    throw Misuse(std::string(asked.em.em ? "--em" : "--missing") +
+                 " needs all frames at once: at most 5000, and no learn.block");
   EmStage em(asked.em, *source, read, session);
   auto learned = learn_texture(asked, em.source(), session);
   for (const auto& note : learned.notes) session.warn(asked.em.is_needed() ? "closed form: " + note : note);
   em.improve(learned.texture);
   stages.begin("write");
   io::write_model(folder.output(), "", dytex::archive_view(learned.texture));
-  write_components(folder.output(), learned.texture);
+  write_png(folder.output(), "components.png", draw_components(learned.texture));
   stages.end();
   em.write_filled(learned.texture);
   Json summary = learn_summary(asked, read, source->info(), learned, session);
@@ -255,7 +261,7 @@ void add_model_options(CLI::App& command, Settings& settings, TextureLearning& a
   settings.add("learn", "noise_rank", &asked.options.noise_rank, "N",
                "Drive the model by so many noises, the strongest; 0: all", "0 to the number of components");
   settings.add("learn", "block", &asked.block, "N",
-               "Decompose so many frames at a time and merge; 0: all, beyond 10000 under mpirun 1024",
+               "Decompose so many frames at a time and merge; 0: all, of more than 5000 up to 1024",
                "at least 0");
 }
 

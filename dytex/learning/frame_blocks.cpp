@@ -20,13 +20,37 @@ std::string frame_text(int width, int height, int type) {
 
 }  // namespace
 
+std::size_t value_count(const core::ClipInfo& info) {
+  const std::size_t count = static_cast<std::size_t>(std::max(info.width, 0)) *
+                            static_cast<std::size_t>(std::max(info.height, 0)) *
+                            static_cast<std::size_t>(info.channels);
+  if (count == 0) throw core::InputError("the clip's frames have no pixels");
+  return count;
+}
+
+cv::Mat next_frame(core::FrameSource& source, std::size_t index) {
+  cv::Mat frame = source.next();
+  if (frame.empty()) return frame;
+  const core::ClipInfo& info = source.info();
+  const int type = CV_MAKETYPE(info.depth, info.channels);
+  if (frame.cols != info.width || frame.rows != info.height || frame.type() != type)
+    throw core::IoError("frame " + std::to_string(index) + " is " +
+                        frame_text(frame.cols, frame.rows, frame.type()) + ", the clip's frames are " +
+                        frame_text(info.width, info.height, type));
+  return frame.isContinuous() ? frame : frame.clone();
+}
+
+void check_least_frames(std::size_t frames) {
+  if (frames < 2)
+    throw core::InputError("the clip has " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
+                           ", at least 2 are needed");
+}
+
 FrameBlocks::FrameBlocks(core::FrameSource& source, std::size_t memory, std::size_t most_frames,
                          const core::Context& context)
     : source_(source) {
   const core::ClipInfo& info = source.info();
-  values_ = static_cast<std::size_t>(std::max(info.width, 0)) *
-            static_cast<std::size_t>(std::max(info.height, 0)) * static_cast<std::size_t>(info.channels);
-  if (values_ == 0) throw core::InputError("the clip's frames have no pixels");
+  values_ = value_count(info);
   value_bytes_ = CV_ELEM_SIZE1(info.depth);
   const std::size_t fitting = memory / (values_ * value_bytes_);
   const std::size_t told = info.frames && *info.frames > 0 ? static_cast<std::size_t>(*info.frames) : 0;
@@ -36,20 +60,19 @@ FrameBlocks::FrameBlocks(core::FrameSource& source, std::size_t memory, std::siz
   source_.rewind();
   ++passes_;
   std::size_t count = 0;
-  for (cv::Mat frame = next_frame(count); !frame.empty(); frame = next_frame(count)) {
+  for (cv::Mat frame = next_frame(source_, count); !frame.empty(); frame = next_frame(source_, count)) {
     context.check();
     if (++count > most_frames)
       throw core::InputError("the clip has more than " + std::to_string(most_frames) +
-                             " frames, the most that a linear dynamic texture is learned from");
+                             " frames, the most that are compared at once; 'dytex learn' takes longer ones "
+                             "by blocks (learn.block)");
     if (whole && count > fitting) whole = false, kept_ = {};
     if (by_blocks && count > told) by_blocks = false, parts_ = {};
     if (by_blocks) keep_part(frame, 0);
     if (whole) kept_.push_back(std::move(frame));
     if (told > 0) context.report("reading", static_cast<double>(count) / static_cast<double>(told));
   }
-  if (count < 2)
-    throw core::InputError("the clip has " + std::to_string(count) + (count == 1 ? " frame" : " frames") +
-                           ", at least 2 are needed");
+  check_least_frames(count);
   frames_ = count;
   if (whole) {
     block_values_ = values_;
@@ -76,20 +99,8 @@ void FrameBlocks::keep_part(const cv::Mat& frame, std::size_t block_index) {
   parts_.emplace_back(frame.data + begin * value_bytes_, frame.data + end * value_bytes_);
 }
 
-cv::Mat FrameBlocks::next_frame(std::size_t index) {
-  cv::Mat frame = source_.next();
-  if (frame.empty()) return frame;
-  const core::ClipInfo& info = source_.info();
-  const int type = CV_MAKETYPE(info.depth, info.channels);
-  if (frame.cols != info.width || frame.rows != info.height || frame.type() != type)
-    throw core::IoError("frame " + std::to_string(index) + " is " +
-                        frame_text(frame.cols, frame.rows, frame.type()) + ", the clip's frames are " +
-                        frame_text(info.width, info.height, type));
-  return frame.isContinuous() ? frame : frame.clone();
-}
-
 cv::Mat FrameBlocks::next_again(std::size_t index) {
-  cv::Mat frame = next_frame(index);
+  cv::Mat frame = next_frame(source_, index);
   if (frame.empty() != (index == frames_))
     throw core::IoError("the clip had " + std::to_string(frames_) + " frames when it was read first, now " +
                         (frame.empty() ? std::to_string(index) : std::string("more")));

@@ -13,10 +13,18 @@
 
 namespace emberfold::dytex::detail {
 
-/// Frames: the most that a model is learned from. Beyond, τ × τ decompositions take many minutes.
+/// Frames: the most that are compared at once. Beyond, τ × τ decompositions take many minutes.
 constexpr std::size_t kMostFrames = 5000;
 /// Bytes: the smallest memory for frames that may be requested.
 constexpr double kLeastMemory = 1 << 20;
+
+/// Returns the number of values of a clip's frame: m. InputError where it is 0.
+std::size_t value_count(const core::ClipInfo& info);
+/// Reads a source's next frame, stored without gaps; an empty one after the last. IoError, which gives
+/// `index`, where its size or type differs from the source's.
+cv::Mat next_frame(core::FrameSource& source, std::size_t index);
+/// Throws InputError where a clip has fewer than 2 frames.
+void check_least_frames(std::size_t frames);
 
 /// Reads a source's frames in blocks of their values, of which one at a time is in memory. A clip that fits
 /// in memory is a single block, read once and kept.
@@ -51,7 +59,6 @@ class FrameBlocks {
   void plan(std::size_t frames, std::size_t memory);
   void keep_part(const cv::Mat& frame, std::size_t index);
   void load(std::size_t index, const core::Context& context);
-  cv::Mat next_frame(std::size_t index);
   cv::Mat next_again(std::size_t index);  // of a clip that was read before
 
   core::FrameSource& source_;

@@ -14,7 +14,6 @@
 
 #include "core/error.hpp"
 #include "core/text/json_reader.hpp"
-#include "dytex/model/archive_parts.hpp"
 
 namespace emberfold::dytex {
 
@@ -25,7 +24,7 @@ constexpr int kVersion = 3;  // of models with marginals; 2 of all others
 // Bounds on sizes in a file, far above every real model: they keep sizes within 64 bits.
 constexpr int kMostNesting = 16;  // levels of brackets in model.json
 constexpr std::int64_t kMostVersion = std::int64_t{1} << 31;
-constexpr std::int64_t kMostSide = 65536;  // px
+constexpr std::int64_t kMostStoredSide = 65536;  // px
 constexpr std::int64_t kMostFrames = 1 << 24, kMostResiduals = 1 << 24, kMostComponents = 1 << 24;
 constexpr std::int64_t kMostQuantiles = 1 << 24;
 constexpr std::array<std::pair<int, const char*>, 3> kDepths{
@@ -43,35 +42,35 @@ core::NpyView array_of(const Matrix& matrix) {
   return array;
 }
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void refuse_archive(const std::string& what) {
   throw core::IoError("model: " + what);
 }
 
 nlohmann::json parse(const std::string& text) {
   const auto shallow = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
     if (depth > kMostNesting)
-      fail("model.json is nested more than " + std::to_string(kMostNesting) + " deep");
+      refuse_archive("model.json is nested more than " + std::to_string(kMostNesting) + " deep");
     return true;
   };
   nlohmann::json json;
   try {
     json = nlohmann::json::parse(text, shallow);
   } catch (const nlohmann::json::exception&) {
-    fail("model.json is no valid JSON");
+    refuse_archive("model.json is no valid JSON");
   }
-  if (!json.is_object()) fail("model.json holds no object");
+  if (!json.is_object()) refuse_archive("model.json holds no object");
   return json;
 }
 
 const nlohmann::json& entry(const nlohmann::json& json, const char* key) {
   const auto found = json.find(key);
-  if (found == json.end()) fail("model.json has no \"" + std::string(key) + "\"");
+  if (found == json.end()) refuse_archive("model.json has no \"" + std::string(key) + "\"");
   return *found;
 }
 
 std::string text_entry(const nlohmann::json& json, const char* key) {
   const nlohmann::json& value = entry(json, key);
-  if (!value.is_string()) fail("\"" + std::string(key) + "\" must be a text");
+  if (!value.is_string()) refuse_archive("\"" + std::string(key) + "\" must be a text");
   return value.get<std::string>();
 }
 
@@ -81,33 +80,34 @@ std::int64_t whole_number(const nlohmann::json& json, const char* key, std::int6
   const bool fits = value.is_number_integer() &&
                     (!value.is_number_unsigned() || value.get<std::uint64_t>() <= std::uint64_t{1} << 62);
   if (!fits || value.get<std::int64_t>() < least || value.get<std::int64_t>() > most)
-    fail("\"" + std::string(key) + "\" is " + core::quoted(value.dump()) + ", must be a whole number from " +
-         std::to_string(least) + " to " + std::to_string(most));
+    refuse_archive("\"" + std::string(key) + "\" is " + core::quoted(value.dump()) +
+                   ", must be a whole number from " + std::to_string(least) + " to " + std::to_string(most));
   return value.get<std::int64_t>();
 }
 
 double number(const nlohmann::json& json, const char* key) {
   const nlohmann::json& value = entry(json, key);
   if (!value.is_number() || !std::isfinite(value.get<double>()))
-    fail("\"" + std::string(key) + "\" is " + core::quoted(value.dump()) + ", must be a finite number");
+    refuse_archive("\"" + std::string(key) + "\" is " + core::quoted(value.dump()) +
+                   ", must be a finite number");
   return value.get<double>();
 }
 
 /// Returns the version, one of those that can be read.
 std::int64_t check_format(const nlohmann::json& json) {
   if (const std::string format = text_entry(json, "format"); format != kFormat)
-    fail("\"format\" is " + core::quoted(format) + ", must be \"" + std::string(kFormat) + "\"");
+    refuse_archive("\"format\" is " + core::quoted(format) + ", must be \"" + std::string(kFormat) + "\"");
   const std::int64_t version = whole_number(json, "version", 1, kMostVersion);
   if (version > kVersion)
-    fail("version " + std::to_string(version) + " is newer than " + std::to_string(kVersion) +
-         ", the newest that can be read");
+    refuse_archive("version " + std::to_string(version) + " is newer than " + std::to_string(kVersion) +
+                   ", the newest that can be read");
   return version;
 }
 
 core::ClipInfo read_info(const nlohmann::json& json) {
   core::ClipInfo info;
-  info.width = static_cast<int>(whole_number(json, "width", 1, kMostSide));
-  info.height = static_cast<int>(whole_number(json, "height", 1, kMostSide));
+  info.width = static_cast<int>(whole_number(json, "width", 1, kMostStoredSide));
+  info.height = static_cast<int>(whole_number(json, "height", 1, kMostStoredSide));
   info.channels = static_cast<int>(whole_number(json, "channels", 1, 3));
   info.frames = whole_number(json, "frames", 1, kMostFrames);
   info.fps = number(json, "fps");
@@ -116,7 +116,7 @@ core::ClipInfo read_info(const nlohmann::json& json) {
   const auto* const known =
       std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.second == depth; });
   if (known == kDepths.end())
-    fail("\"depth\" is " + core::quoted(depth) + R"(, must be "u8", "u16" or "f32")");
+    refuse_archive("\"depth\" is " + core::quoted(depth) + R"(, must be "u8", "u16" or "f32")");
   info.depth = known->first;
   return info;
 }
@@ -132,7 +132,7 @@ using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
 const core::NpyArray& array_named(const core::ModelArchive& archive, const char* name) {
   const auto found = archive.arrays.find(name);
-  if (found == archive.arrays.end()) fail("the array " + std::string(name) + " is missing");
+  if (found == archive.arrays.end()) refuse_archive("the array " + std::string(name) + " is missing");
   return found->second;
 }
 
@@ -141,13 +141,13 @@ template <class Stored>
 const std::vector<Stored>& numbers(const core::NpyArray& array, const char* name, const char* types,
                                    const std::vector<std::size_t>& shape) {
   const auto* data = std::get_if<std::vector<Stored>>(&array.data);
-  if (data == nullptr) fail("the array " + std::string(name) + " must hold " + types);
+  if (data == nullptr) refuse_archive("the array " + std::string(name) + " must hold " + types);
   if (array.shape != shape)
-    fail("the array " + std::string(name) + " has the shape " + shape_text(array.shape) + ", must have " +
-         shape_text(shape));
+    refuse_archive("the array " + std::string(name) + " has the shape " + shape_text(array.shape) +
+                   ", must have " + shape_text(shape));
   if (data->size() != shape[0] * (shape.size() > 1 ? shape[1] : 1))
-    fail("the array " + std::string(name) + " has " + std::to_string(data->size()) + " numbers, its shape " +
-         shape_text(shape) + " another number");
+    refuse_archive("the array " + std::string(name) + " has " + std::to_string(data->size()) +
+                   " numbers, its shape " + shape_text(shape) + " another number");
   return *data;
 }
 
@@ -212,7 +212,7 @@ void read_second_version(const nlohmann::json& json, const core::ModelArchive& a
                          const Extents& extents, LinearDynamicTexture& texture) {
   texture.weights = read_matrix<double>(archive, "weights", {extents.components});
   const nlohmann::json& each = entry(json, "noise_per_value");
-  if (!each.is_boolean()) fail("\"noise_per_value\" must be true or false");
+  if (!each.is_boolean()) refuse_archive("\"noise_per_value\" must be true or false");
   if (each.get<bool>()) texture.noise = read_matrix<float>(archive, "noise", {extents.values});
   const auto residuals = static_cast<std::size_t>(whole_number(json, "residuals", 0, kMostResiduals));
   if (residuals > 0)
@@ -221,7 +221,8 @@ void read_second_version(const nlohmann::json& json, const core::ModelArchive& a
   const auto channels = json.find("component_channels");
   if (channels == json.end()) return;
   if (!channels->is_array() || channels->size() != extents.components)
-    fail("\"component_channels\" must be a list of " + std::to_string(extents.components) + " numbers");
+    refuse_archive("\"component_channels\" must be a list of " + std::to_string(extents.components) +
+                   " numbers");
   texture.channels.resize(static_cast<Eigen::Index>(channels->size()));
   for (std::size_t i = 0; i < channels->size(); ++i)
     texture.channels[static_cast<Eigen::Index>(i)] =
@@ -232,12 +233,6 @@ void read_second_version(const nlohmann::json& json, const core::ModelArchive& a
 
 core::ModelView archive_view(const LinearDynamicTexture& texture) {
   validate(texture);
-  core::ModelView archive = archive_view_without_C(texture);
-  archive.arrays["C"] = array_of(texture.C);
-  return archive;
-}
-
-core::ModelView archive_view_without_C(const LinearDynamicTexture& texture) {
   const core::ClipInfo& info = texture.info;
   const auto* const depth =
       std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.first == info.depth; });
@@ -265,6 +260,7 @@ core::ModelView archive_view_without_C(const LinearDynamicTexture& texture) {
   if (texture.channels.size() > 0)
     json["component_channels"] = std::vector<int>(texture.channels.begin(), texture.channels.end());
   core::ModelView archive{json.dump(2) + "\n", {}};
+  archive.arrays["C"] = array_of(texture.C);
   archive.arrays["mean"] = array_of(texture.mean);
   archive.arrays["weights"] = array_of(texture.weights);
   archive.arrays["A"] = array_of(texture.A);
@@ -319,9 +315,9 @@ LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive) {
   try {
     validate(texture);
   } catch (const core::InputError& error) {
-    fail(error.what());
+    refuse_archive(error.what());
   } catch (const core::NumericalError& error) {
-    fail(error.what());
+    refuse_archive(error.what());
   }
   return texture;
 }

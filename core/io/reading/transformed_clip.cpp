@@ -11,7 +11,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/clip/masked_source.hpp"
-#include "core/clip/skipping.hpp"
 #include "core/error.hpp"
 #include "core/io/reading/levels.hpp"
 #include "core/io/reading/mask_clip.hpp"
@@ -26,7 +25,7 @@ namespace {
 
 constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
-class TransformedClip final : public core::FrameSource, public core::ClipKnowledge, public core::Skipping {
+class TransformedClip final : public core::FrameSource, public core::ClipKnowledge {
  public:
   TransformedClip(std::string name, std::unique_ptr<FrameDecoder> decoder, const ReadOptions& options,
                   const core::Warn& warn)
@@ -77,18 +76,6 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
 
   [[nodiscard]] cv::Mat mask() const override { return mask_; }
   [[nodiscard]] std::vector<core::CameraMotion> drift() const override { return drift_; }
-
-  void skip(std::int64_t count) override {
-    // Stabilizing, and reading a mask in step, need every frame.
-    if (masks_ || options_.stabilize != Stabilize::none) {
-      while (count-- > 0 && !next().empty()) {
-      }
-      return;
-    }
-    if (count <= 0) return;
-    pending_.release();
-    taken_ += count;
-  }
 
   void rewind() override {
     if (taken_ == 0) return;

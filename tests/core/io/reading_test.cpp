@@ -6,7 +6,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sys/stat.h>
 
-#include "core/clip/skipping.hpp"
 #include "core/error.hpp"
 #include "core/io/clip_reader.hpp"
 #include "core/io/clip_writer.hpp"
@@ -234,30 +233,4 @@ TEST_CASE("options of reading are parsed, or refused by name") {
     CHECK_FALSE(message_of<core::InputError>([&] { io::parse_levels(text); }).empty());
   CHECK(io::parse_stabilize("similarity") == io::Stabilize::similarity);
   CHECK_FALSE(message_of<core::InputError>([&] { io::parse_stabilize("yes"); }).empty());
-}
-
-TEST_CASE("Frames that are passed over are those that would have been read", "[core][io]") {
-  const TempFolder temp;
-  write_clip(temp / "frames", 20);
-  write_clip(temp / "clip.avi", 20);
-  for (const char* name : {"frames", "clip.avi"}) {
-    const auto path = (temp / name).string();
-    for (const int every : {1, 3}) {
-      io::ReadOptions options;
-      options.first = 2, options.every = every;
-      const auto all = read(path, options).clip.frames;
-      const auto source = io::open_video(path, options);
-      INFO(name << ", every " << every);
-      core::skip_frames(*source, 2);
-      CHECK(same_pixels(source->next(), all[2]));
-      core::skip_frames(*source, 0);
-      CHECK(same_pixels(source->next(), all[3]));
-      core::skip_frames(*source, 1);
-      CHECK(same_pixels(source->next(), all[5]));
-      core::skip_frames(*source, 100);
-      CHECK(source->next().empty());
-      source->rewind();
-      CHECK(same_pixels(source->next(), all[0]));
-    }
-  }
 }
