@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "core/error.hpp"
 
@@ -136,26 +138,42 @@ double change_log_odds(const ChangeEvidence& evidence) {
          kFaint * std::log(std::clamp(evidence.contrast / kPlainContrast, 0.1, 1.0));
 }
 
-double estimate_change_share(std::span<const ChangeEvidence> changes) {
+double estimate_change_share(std::span<const ChangeEvidence> changes, graph::Point place) {
   constexpr int kHalvings = 50;
-  std::vector<double> odds;
-  for (const ChangeEvidence& change : changes) odds.push_back(change_log_odds(change));
+  struct Counted {
+    double odds, weight;
+  };
+  std::vector<Counted> counted;
+  double count = 2 * tuning::kPseudo;
+  for (const ChangeEvidence& change : changes) {
+    const double apart = graph::distance(change.place, place) / kShareReach;
+    if (apart >= 1) continue;
+    counted.push_back({std::exp(change_log_odds(change)), (1 - apart * apart) * (1 - apart * apart)});
+    count += counted.back().weight;
+  }
   // What the share implies less the share falls from a positive to a negative number: bisection.
   double low = 0, high = 1;
   for (int i = 0; i < kHalvings; ++i) {
-    const double share = 0.5 * (low + high), shift = share_shift(share);
+    const double share = 0.5 * (low + high), shift = std::exp(share_shift(share));
     double sum = tuning::kPseudo;
-    for (const double one : odds) sum += logistic(one + shift);
-    const bool is_more = sum > share * (static_cast<double>(odds.size()) + 2 * tuning::kPseudo);
-    (is_more ? low : high) = share;
+    for (const Counted& one : counted) sum += one.weight * one.odds * shift / (1 + one.odds * shift);
+    (sum > share * count ? low : high) = share;
   }
   return 0.5 * (low + high);
 }
 
 std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes) {
-  const double shift = share_shift(estimate_change_share(changes));
+  constexpr double kSquare = 16;  // px: the share differs little within
+  std::map<std::pair<long, long>, double> shift_at;
   std::vector<double> result;
-  for (const ChangeEvidence& change : changes) result.push_back(logistic(change_log_odds(change) + shift));
+  for (const ChangeEvidence& change : changes) {
+    const long column = std::lround(change.place.x / kSquare), row = std::lround(change.place.y / kSquare);
+    const auto [at, is_new] = shift_at.try_emplace({column, row}, 0.0);
+    if (is_new)
+      at->second =
+          share_shift(estimate_change_share(changes, {kSquare * double(column), kSquare * double(row)}));
+    result.push_back(logistic(change_log_odds(change) + at->second));
+  }
   return result;
 }
 

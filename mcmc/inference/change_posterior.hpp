@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "graph/patch.hpp"
+
 namespace emberfold::mcmc {
 
 /// Holds what the images show of an event's patches, frame by frame.
@@ -46,21 +48,25 @@ struct ChangeEvidence {
   /// than kFramesUntilLong is no more than that.
   double since = 1e9, until = 1e9;
   double contrast = 255;  ///< of what changes, visible grey levels: below 16 hardly anybody sees it
+  graph::Point place;
 };
 
-/// Returns the log odds of a change in a clip in which the usual share of those read is true.
+/// Returns the log odds of a change where the usual share of those read is true.
 /// A log-linear model (logistic regression) whose weights were fitted to made clips with known events and to
 /// real pictures that stand still or sway (docs/method/events.md).
 double change_log_odds(const ChangeEvidence& evidence);
 
-/// Estimates the share of true changes among those of a clip's graphs.
-/// The fixed point of Saerens, Latinne & Decaestecker (2002): the odds are corrected for the share, which is
-/// the mean of the probabilities, one half of a true and of a false change counted beforehand. O(changes).
-double estimate_change_share(std::span<const ChangeEvidence> changes);
+inline constexpr double kShareReach = 200;  ///< px: changes farther away say nothing about each other
 
-/// Computes the probability of each change of a clip, from its log odds and the share of true ones.
-/// In a clip in which nothing happens a change is believed on more evidence than in one full of events.
-/// O(changes).
+/// Estimates the share of true changes among those read from the graphs near a place.
+/// The fixed point of Saerens, Latinne & Decaestecker (2002): the odds are corrected for the share, which is
+/// the mean of the probabilities, weighted by (1 − d²/kShareReach²)² at the distance d; one half of a true
+/// and of a false change are counted beforehand. O(changes).
+double estimate_change_share(std::span<const ChangeEvidence> changes, graph::Point place);
+
+/// Computes the probability of each change of a clip, from its log odds and the share of true ones near it.
+/// Where nothing happens a change is believed on more evidence than where much does.
+/// O(changes · places), places counted in squares of 16 px.
 std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes);
 
 }  // namespace emberfold::mcmc

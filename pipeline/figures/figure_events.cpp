@@ -57,11 +57,9 @@ std::vector<FigureEvent> weigh_figure_changes(const FigureRegions& all, const Fi
   std::vector<FigureEvent> events;
   for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) {
     std::array<WeighedReading, kFigureThresholds.size()> of;
-    for (std::size_t k = 0; k < of.size(); ++k) {
-      const std::size_t reading = p * kFigureThresholds.size() + k;
-      for (const FigureChange& change : find_figure_changes(all, reading, ground, context))
-        of[k].push_back({change, reading, 1});
-    }
+    for (std::size_t k = 0; k < of.size(); ++k)
+      for (const FigureChange& change : find_figure_changes(all, reading_index(p, k), ground, context))
+        of[k].push_back({change, reading_index(p, k), 1});
     std::ranges::move(joined(of), std::back_inserter(events));
   }
   return events;

@@ -139,7 +139,7 @@ void share_figures(FigureRegions& all, std::size_t of, std::size_t r) {
 }  // namespace
 
 void find_families(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines) {
-  constexpr std::array<std::size_t, 2> kFirst = {0, kFigureThresholds.size()};  // readings of threshold 0
+  constexpr std::array kFirst = {reading_index(0, 0), reading_index(1, 0)};  // of threshold 0
   std::array<Families, 2> families = {gather_families(all.readings[kFirst[0]].regions),
                                       gather_families(all.readings[kFirst[1]].regions)};
   for (const std::size_t p : {1, 0}) {  // light first: no dark region is a figure yet

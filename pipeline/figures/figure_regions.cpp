@@ -134,7 +134,7 @@ FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureG
   for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) {
     const cv::Mat1f amplitude = figure_amplitude(ground, frame, p, level);
     for (std::size_t k = 0; k < kFigureThresholds.size(); ++k) {
-      const std::size_t r = p * kFigureThresholds.size() + k;
+      const std::size_t r = reading_index(p, k);
       const cv::Mat1b label = cv::Mat((amplitude > kFigureThresholds[k]) / 255);
       out.labels |= label * (1 << r);
       out.readings[r] = find_regions(label, frame, level, inner, ground.noise, k == 0);

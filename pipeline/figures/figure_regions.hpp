@@ -56,6 +56,10 @@ inline constexpr double kWideDisc = 6;  ///< px, a diameter: what no such disc f
 /// Thresholds of the amplitude. A change that is seen at all of them is sure.
 inline constexpr std::array<double, 3> kFigureThresholds = {0, -0.2, 0.2};
 inline constexpr std::size_t kFigureReadings = kFigurePolarities.size() * kFigureThresholds.size();
+/// Returns the reading of a polarity and a threshold, given as indices.
+constexpr std::size_t reading_index(std::size_t polarity, std::size_t threshold) {
+  return polarity * kFigureThresholds.size() + threshold;
+}
 
 /// Holds a clip's regions for each polarity (its thresholds one after the other).
 struct FigureRegions {

@@ -22,6 +22,7 @@ from scipy.optimize import linear_sum_assignment
 FAMILY = {"birth": 0, "death": 1, "split": 2, "disconnect": 2, "merge": 3, "connect": 3}
 NAMES = ["kIntercept", "kStrokeFactor", "kJointFactor", "kShortSide"]
 LONG_ENOUGH = 12
+REACH = 200  # px
 
 
 def read_evidence(program, folder, keep):
@@ -87,16 +88,17 @@ def fit(tables, labels, penalty=0.3, of_clip=1.0):
     return weights[: x.shape[1]]
 
 
-def estimate(table, weights, usual):
-    """Corrects the odds for the clip's own share of true events (Saerens, Latinne & Decaestecker 2002)."""
-    odds, low, high = table @ weights, 0.0, 1.0
+def estimate(table, rows, weights, usual):
+    """Corrects the odds for the share of true events near each (Saerens, Latinne & Decaestecker 2002)."""
+    odds = table @ weights
+    place = np.array([complex(float(row["x"]), float(row["y"])) for row in rows])
+    near = np.clip(1 - np.abs(place[:, None] - place) ** 2 / REACH**2, 0, None) ** 2
+    low, high = np.zeros(len(odds)), np.ones(len(odds))
     for _ in range(50):
         share = (low + high) / 2
         shift = np.log(share / (1 - share)) - np.log(usual / (1 - usual))
-        if logistic(odds + shift).sum() + 0.5 > share * (len(odds) + 1):
-            low = share
-        else:
-            high = share
+        more = (near * logistic(odds + shift[:, None])).sum(1) + 0.5 > share * (near.sum(1) + 1)
+        low, high = np.where(more, share, low), np.where(more, high, share)
     return logistic(odds + shift)
 
 
@@ -128,7 +130,7 @@ def main():
     for name, (rows, truth) in data.items():
         others = [n for n in data if families[n] != families[name]]
         weights = fit([tables[n] for n in others], [labels[n] for n in others])
-        p = estimate(tables[name], weights, asked.usual)
+        p = estimate(tables[name], rows, weights, asked.usual)
         believed = p >= 0.5
         hits = pair(rows, truth, believed).sum()
         f1 = 2 * hits / (believed.sum() + len(truth)) if truth else float("nan")

@@ -221,7 +221,7 @@ TEST_CASE("edges that are soft explain a figure as sharp ones do") {
   core::ClipSource source(clip);
   const auto ground = pipeline::measure_figure_ground(source, {});
   const auto all = pipeline::find_figure_regions(source, ground, {});
-  const auto& bright = all.readings[pipeline::kFigureThresholds.size()].regions;
+  const auto& bright = all.readings[pipeline::reading_index(1, 0)].regions;
   REQUIRE(bright.size() == kFrames);
   for (const auto& region : bright) {
     CHECK(region.gain() > 1.7);
