@@ -14,6 +14,7 @@
 #include "core/math/robust.hpp"
 #include "core/parallel.hpp"
 #include "core/text/check_range.hpp"
+#include "sketch/candidates/same_edges.hpp"
 #include "sketch/candidates/selection.hpp"
 #include "sketch/candidates/zero_curves.hpp"
 #include "sketch/detection/boundaries.hpp"
@@ -130,7 +131,7 @@ void append(std::vector<Chain>& chains, std::vector<Chain> more) {
 
 // A frame as it is searched for curves.
 struct Searched {
-  double noise = 1;
+  std::vector<double> noise;  // SD of each channel
   ScaleSpace space;
   NoiseLevels ground;
   std::vector<CodingContext> axes;
@@ -177,7 +178,7 @@ Searched prepare(const cv::Mat& levels, const ExtractOptions& options) {
   DerivativeSamples samples;
   add_samples(space, whole_frame(levels.size()), samples);
   NoiseLevels ground = measure_noise_levels(std::move(samples), space, of.noise);
-  return {of.noise[0], std::move(space), std::move(ground), std::move(of.axes), {}};
+  return {std::move(of.noise), std::move(space), std::move(ground), std::move(of.axes), {}};
 }
 
 // A part of a frame that has these statistics.
@@ -186,7 +187,7 @@ Searched prepare(const cv::Mat& part, const ExtractOptions& options, const Stati
   std::vector<cv::Mat1f> channels = channels_of(part, options);
   for (std::size_t c = 0; c < axes.size(); ++c) axes[c].luma = std::move(channels[c]);
   ScaleSpace space = build_scale_space(axes, options);
-  return {of.noise[0], std::move(space), of.ground, std::move(axes), of.usual};
+  return {of.noise, std::move(space), of.ground, std::move(axes), of.usual};
 }
 
 // visit(i, the i-th tile's part of the frame), in parallel.
@@ -273,51 +274,74 @@ std::vector<Chain> find_curves(const Searched& frame, const cv::Mat& levels, con
   };
   without_crumbs(chains);
   constexpr double kHalf = 0.5;  // a stroke is there as far as it shows at half of its contrast
-  chains = cut_at_contrast_gaps(chains, frame.space, {kHalf, frame.noise});
-  chains = part_ends_at_gaps(std::move(chains), frame.space, {kHalf, frame.noise});
+  chains = cut_at_contrast_gaps(chains, frame.space, {kHalf, frame.noise[0]});
+  chains = part_ends_at_gaps(std::move(chains), frame.space, {kHalf, frame.noise[0]});
   without_crumbs(chains);
-  append(chains, find_weak_curves(chains, frame.space, frame.noise, limits.weak, frame.usual));
+  append(chains, find_weak_curves(chains, frame.space, frame.noise[0], limits.weak, frame.usual));
   return chains;
 }
 
 // Whether step edges are outlines that compete with lines.
 bool uses_outlines(const ExtractOptions& options, const cv::Mat1f* given) {
-  return options.edges && options.outlines && !options.boundaries && !options.colour && given == nullptr;
+  return options.edges && options.outlines && !options.boundaries && given == nullptr;
 }
 
 constexpr int kScalesOfEdges = 2;  // beyond those of lines: edges blurred by up to 8 px
 
-// Of the lines and the closed step edges those that explain the image; they are in the scale space given.
-std::vector<Chain> find_explaining_curves(const Searched& frame, const ScaleSpace& space,
-                                          const cv::Mat& levels, const ExtractOptions& options) {
+// Of the lines and the closed step edges of each channel those that explain it. The scale space that they are
+// in is added to `space`.
+std::vector<Chain> find_explaining_curves(const Searched& frame, const cv::Mat& levels,
+                                          const ExtractOptions& options, ScaleSpace& space) {
   constexpr double kVisibleStep = 6;    // grey levels: the least difference that people see at mid grey
   constexpr double kStillTraced = 0.5;  // of it: an edge may fade for a while
   constexpr double kNoise = 3;          // SD of a gradient; white noise exceeds it at one pixel in 90
   constexpr double kOctaves = 4;        // by which the exchange rate falls from sensitivity 0 to 1
   ExtractOptions of_lines = options;
   of_lines.edges = false;
-  std::vector<Chain> lines = find_curves(frame, levels, of_lines, make_limits(of_lines), nullptr);
+  std::vector<std::vector<Chain>> lines(frame.axes.size());
+  for (Chain& line : find_curves(frame, levels, of_lines, make_limits(of_lines), nullptr)) {
+    const auto channel =
+        static_cast<std::size_t>(frame.space[median_level(line.points, frame.space)].channel);
+    for (CreasePoint& point : line.points)
+      point.level = frame.space[static_cast<std::size_t>(point.level)].octave;
+    lines[channel].push_back(std::move(line));
+  }
   const double less = 0.5 - options.sensitivity, visible = kVisibleStep * std::exp2(2 * less);
-  std::vector<std::vector<Chain>> edges;
-  for (std::size_t k = 0; k < space.size(); ++k)
-    edges.push_back(trace_edges(space[k], static_cast<int>(k),
-                                std::max(kNoise * frame.noise * space[k].gradient_sd,
-                                         kStillTraced * visible / step_contrast(space[k].sigma))));
-  return select_curves(std::move(lines), std::move(edges), space, frame.axes[0].luma,
-                       {frame.noise, visible, std::exp2(kOctaves * less)});
+  std::vector<Chain> all;
+  for (std::size_t c = 0; c < frame.axes.size(); ++c) {
+    ScaleSpace of_channel;
+    std::ranges::copy_if(frame.space, std::back_inserter(of_channel),
+                         [&](const ScaleLevel& level) { return level.channel == static_cast<int>(c); });
+    of_channel = with_coarser_levels(std::move(of_channel), kScalesOfEdges);
+    std::vector<std::vector<Chain>> edges;
+    for (std::size_t k = 0; k < of_channel.size(); ++k) {
+      const ScaleLevel& level = of_channel[k];
+      edges.push_back(trace_edges(level, static_cast<int>(k),
+                                  std::max(kNoise * frame.noise[c] * level.gradient_sd,
+                                           kStillTraced * visible / step_contrast(level.sigma))));
+    }
+    auto chosen = select_curves(std::move(lines[c]), std::move(edges), of_channel, frame.axes[c].luma,
+                                {frame.noise[c], visible, std::exp2(kOctaves * less)});
+    chosen = without_same_edges(std::move(chosen), of_channel, all, levels.size());
+    for (Chain& chain : chosen)
+      for (CreasePoint& point : chain.points) point.level += static_cast<int>(space.size());
+    append(all, std::move(chosen));
+    std::ranges::move(of_channel, std::back_inserter(space));
+  }
+  return all;
 }
 
 // The strokes of a frame or a part, along the curves that are found or given.
 graph::AttributeGraph find_strokes(const Searched& frame, const cv::Mat& levels,
                                    const ExtractOptions& options, const cv::Mat1f* given) {
   const bool outlines = uses_outlines(options, given);
-  const ScaleSpace space = outlines ? with_coarser_levels(frame.space, kScalesOfEdges) : frame.space;
-  std::vector<Chain> chains = outlines ? find_explaining_curves(frame, space, levels, options)
+  ScaleSpace space = outlines ? ScaleSpace{} : frame.space;
+  std::vector<Chain> chains = outlines ? find_explaining_curves(frame, levels, options, space)
                                        : find_curves(frame, levels, options, make_limits(options), given);
   const CurveNetwork network =
       prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
   return refine(
-      smooth_patches(place_patches(network, space, levels, options.spacing, frame.noise), frame.noise),
+      smooth_patches(place_patches(network, space, levels, options.spacing, frame.noise[0]), frame.noise[0]),
       levels, frame.axes, {options.spacing});
 }
 
@@ -352,7 +376,7 @@ graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& optio
     strokes = find_strokes_in_tiles(statistics, tiles, levels, options, given);
   } else {
     const Searched frame = prepare(levels, options);
-    noise = frame.noise;
+    noise = frame.noise[0];
     strokes = find_strokes(frame, levels, options, given);
   }
   if (given == nullptr && !options.boundaries && !uses_outlines(options, given))

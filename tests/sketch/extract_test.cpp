@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/sketch_scene.hpp"
@@ -322,6 +323,20 @@ cv::Mat3f stripe(const Straight& bar, double width, cv::Vec3f ground, cv::Vec3f 
   return frame;
 }
 
+// A disc of a radius of 30 px, blurred, in noise.
+cv::Mat disc(const cv::Scalar& ground, const cv::Scalar& core) {
+  cv::Mat3f frame(kExtractSize, cv::Vec3f(static_cast<float>(ground[0]), static_cast<float>(ground[1]),
+                                          static_cast<float>(ground[2])));
+  cv::circle(frame, {80, 60}, 30, core, cv::FILLED);
+  cv::GaussianBlur(frame, frame, {0, 0}, 1);
+  std::vector<cv::Mat> channels;
+  cv::split(frame, channels);
+  for (std::size_t c = 0; c < channels.size(); ++c) channels[c] = with_noise(channels[c], 1, c + 1);
+  cv::Mat noisy;
+  cv::merge(channels, noisy);
+  return noisy;
+}
+
 }  // namespace
 
 TEST_CASE("A stripe of another colour but the same luma is found in colour only") {
@@ -350,6 +365,27 @@ TEST_CASE("A stripe of another colour but the same luma is found in colour only"
       CHECK(green.rms() <= 4);
       CHECK(red.rms() <= 4);
     }
+}
+
+TEST_CASE("A disc of another colour but the same luma has its outline in colour only") {
+  const cv::Mat frame = disc({40, 140, 40}, {40, 60, 197.06F});
+  sketch::ExtractOptions both;
+  both.outlines = both.colour = true;
+  CHECK(sketch::extract(frame, {.outlines = true}).empty());
+  const AttributeGraph found = sketch::extract(frame, both);
+  CHECK(components(found).count == 1);
+  CHECK(found.edges().size() == found.size());  // a ring
+  CHECK(found.size() >= 30);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    CHECK(found.patch(i).type == PatchType::step);
+    CHECK_THAT(graph::distance(found.patch(i).position, {80, 60}), WithinAbs(30, 0.5));
+  }
+}
+
+TEST_CASE("An edge of luma and of colour is one edge") {
+  sketch::ExtractOptions both;
+  both.outlines = both.colour = true;
+  CHECK(components(sketch::extract(disc({40, 140, 40}, {40, 30, 230}), both)).count == 1);
 }
 
 TEST_CASE("Colour changes nothing in grey frames") {

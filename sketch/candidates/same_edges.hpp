@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/types.hpp>
+
+#include "sketch/detection/curve_tracing.hpp"
+#include "sketch/detection/scale_space.hpp"
+
+namespace emberfold::sketch {
+
+/// Leaves out the parts of step edges that lie along other curves: within 3 px, or 1.5 times the smoothing at
+/// which an edge was found. They are the same edges in another channel; videos blur colours and shift them.
+/// Parts of fewer than 5 points go, lines stay. `space`: of `curves`; `size`: of the frame. O(pixels +
+/// points).
+std::vector<Chain> without_same_edges(std::vector<Chain> curves, const ScaleSpace& space,
+                                      const std::vector<Chain>& others, cv::Size size);
+
+}  // namespace emberfold::sketch
