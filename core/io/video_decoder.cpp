@@ -11,11 +11,8 @@
 #include <vector>
 
 extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
 #include <libavutil/display.h>
 #include <libavutil/pixdesc.h>
-#include <libswscale/swscale.h>
 }
 
 #include <opencv2/core.hpp>
@@ -24,6 +21,7 @@ extern "C" {
 #include "core/io/files.hpp"
 #include "core/io/frame_decoders.hpp"
 #include "core/io/media_log.hpp"
+#include "core/io/media_objects.hpp"
 #include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
 
@@ -35,16 +33,6 @@ namespace {
 
 constexpr double kGuessedRate = 25;  // frames a second, where the stream has no rate
 constexpr double kMaxRate = 1e6;     // frames a second, as --fps
-
-struct Free {
-  void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
-  void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); }
-  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
-  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
-  void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
-};
-template <class Object>
-using Owned = std::unique_ptr<Object, Free>;
 
 void report(const core::Warn& warn, const std::string& line) {
   if (warn) warn(line);
