@@ -40,8 +40,9 @@ class VideoWriter {
 ///   DIR/N%05d.exr a folder of OpenEXR, half floats; 8 and 16 bits (sRGB) become linear light
 /// Videos have even sizes: an odd width or height repeats its last column or row. A folder of that name is
 /// replaced if it holds nothing but such frames, else refused. size: 1…16384 px each way; fps: (0, 1e6]; a
-/// video of fewer than 1 or more than 1000 frames a second is stored at 25. Throws core::InputError for
-/// another extension, size or rate, core::IoError where the target cannot be written.
+/// video of fewer than 1 or more than 1000 frames a second is stored at 25, one of 29.97 and the like at
+/// 30000/1001. Throws core::InputError for another extension, size or rate, core::IoError where the target
+/// cannot be written.
 std::unique_ptr<VideoWriter> create_video(const std::filesystem::path& path, cv::Size size, double fps,
                                           bool colour);
 

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <string>
@@ -123,6 +124,7 @@ class EncodedFile {
     frame->format = format;
     frame->width = size_.width, frame->height = size_.height;
     check(av_frame_get_buffer(frame.get(), 0));
+    std::memset(frame->buf[0]->data, 0, frame->buf[0]->size);  // swscale reads beyond the end of a row
     return frame;
   }
 
