@@ -87,7 +87,7 @@ BarErrors measure_bars(double width, double blur, double sign, double noise) {
     auto frame = draw(kExtractSize,
                       {segment(bar.origin - bar.along() * 48, bar.origin + bar.along() * 48, width, blur)},
                       sign > 0 ? 60 : 180, 80 * sign);
-    if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
+    if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k) + 1);
     add_bar(errors, sketch::extract(frame, {}), bar, width, blur, sign);
   }
   return errors;
@@ -171,7 +171,7 @@ TEST_CASE("Arcs lie in their middle, not towards the centre as smoothing moves t
           const double sign = k == 1 ? -1 : 1;
           const Point centre{69.5 + 0.3 * k, 69.3 - 0.2 * k};
           auto frame = draw(kExtractSize, {ring(centre, radius, width, 1)}, sign > 0 ? 60 : 180, sign * 80);
-          if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
+          if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k) + 1);
           const AttributeGraph found = sketch::extract(frame, {});
           for (std::size_t i = 0; i < found.size(); ++i) {
             const double d = graph::distance(found.patch(i).position, centre) - radius;
@@ -226,7 +226,7 @@ TEST_CASE("Step edges: place, blur, both levels, and the sign that the side conv
       for (int k = 0; k < kAngles; ++k) {
         const Straight edge = at_angle(k, 2 * std::numbers::pi);
         auto frame = draw(kExtractSize, [&](Point p) { return 60 + 80 * reached(edge.across(p), blur); });
-        if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k + 1));
+        if (noise > 0) frame = with_noise(frame, noise, static_cast<std::uint64_t>(k) + 1);
         const AttributeGraph found = sketch::extract(frame, {});
         for (std::size_t i = 0; i < found.size(); ++i) {
           const Patch& p = found.patch(i);
@@ -312,7 +312,7 @@ TEST_CASE("What is clipped at white keeps its place and its levels") {
 namespace {
 
 /// A stripe of one colour on ground of another: levels of blue, green, red.
-cv::Mat3f stripe(const Straight& bar, double width, cv::Vec3f ground, cv::Vec3f core) {
+cv::Mat3f stripe(const Straight& bar, double width, const cv::Vec3f& ground, const cv::Vec3f& core) {
   cv::Mat3f frame(kExtractSize);
   for (int y = 0; y < frame.rows; ++y)
     for (int x = 0; x < frame.cols; ++x) {
