@@ -56,7 +56,7 @@ struct ChangeEvidence {
 /// real pictures that stand still or sway (docs/method/events.md).
 double change_log_odds(const ChangeEvidence& evidence);
 
-inline constexpr double kShareReach = 200;  ///< px: changes farther away say nothing about each other
+inline constexpr double kShareReach = 400;  ///< px: changes farther away say nothing about each other
 
 /// Estimates the share of true changes among those read from the graphs near a place.
 /// The fixed point of Saerens, Latinne & Decaestecker (2002): the odds are corrected for the share, which is

@@ -22,7 +22,7 @@ from scipy.optimize import linear_sum_assignment
 FAMILY = {"birth": 0, "death": 1, "split": 2, "disconnect": 2, "merge": 3, "connect": 3}
 NAMES = ["kIntercept", "kStrokeFactor", "kJointFactor", "kShortSide"]
 LONG_ENOUGH = 12
-REACH = 200  # px
+REACH = 400  # px
 
 
 def read_evidence(program, folder, keep):
