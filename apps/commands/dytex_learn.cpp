@@ -260,9 +260,10 @@ void add_model_options(CLI::App& command, Settings& settings, TextureLearning& a
       "Drive the model by normal noise, residuals of the fit, or independent noises as they were");
   settings.add("learn", "noise_rank", &asked.options.noise_rank, "N",
                "Drive the model by so many noises, the strongest; 0: all", "0 to the number of components");
-  settings.add("learn", "block", &asked.block, "N",
-               "Decompose so many frames at a time and merge; 0: all, of more than 5000 up to 1024",
-               "at least 0");
+  settings.add(
+      "learn", "block", &asked.block, "N",
+      "Decompose blocks of N frames and merge them; 0: all at once, blocks of up to 1024 beyond 5000 frames",
+      "at least 0");
 }
 
 }  // namespace

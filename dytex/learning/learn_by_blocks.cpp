@@ -44,8 +44,8 @@ Index kept_directions(const LearnOptions& options) {
 void refuse_all_at_once(const LearnOptions& options, const core::ClipInfo& info) {
   if (options.order != Order::given)
     throw core::InputError(
-        "order: a rule needs all frames at once; by blocks the number of components or "
-        "their share of the variance is told");
+        "order: a rule needs all frames at once; for blocks give the number of components "
+        "or a share of the variance");
   if (options.channels != Channels::joint && info.channels > 1)
     throw core::InputError("channels: separate ones need all frames at once; by blocks they are joint");
 }

@@ -12,6 +12,7 @@ namespace emberfold::sketch {
 
 std::vector<Chain> without_same_edges(std::vector<Chain> curves, const ScaleSpace& space,
                                       const std::vector<Chain>& others, cv::Size size) {
+  if (others.empty()) return curves;
   constexpr double kSame = 3, kSameScale = 1.5;  // px, SD of the smoothing
   constexpr std::ptrdiff_t kFewest = 5;          // points
   const auto pixel_of = [&](const CreasePoint& p) {
