@@ -12,6 +12,12 @@
 
 namespace emberfold::core {
 
+/// Holds how long a stage of a long call took.
+struct StageTime {
+  std::string name;
+  double seconds = 0;  ///< wall time
+};
+
 /// Reports that a long call was asked to stop.
 class Cancelled : public std::exception {
  public:

@@ -7,9 +7,6 @@
 #include <variant>
 #include <vector>
 
-#include "core/error.hpp"
-#include "core/text/format_number.hpp"
-
 namespace emberfold::core {
 
 /// Holds the numbers that an option takes: low ≤ value ≤ high, or low < value ≤ high. A NaN is never one,
@@ -24,14 +21,7 @@ struct OptionRange {
     return std::isfinite(value) && (above ? value > low : value >= low) && value <= high;
   }
   /// Returns "0 to 1", "at least 2", "above 0", "above 0, up to 1"; with a zero "…, or 0 for …".
-  [[nodiscard]] std::string text() const {
-    const bool bounded = high < std::numeric_limits<double>::infinity();
-    std::string all = above ? "above " + number_text(low) + (bounded ? ", up to " + number_text(high) : "")
-                      : bounded ? number_text(low) + " to " + number_text(high)
-                                : "at least " + number_text(low);
-    if (zero != nullptr) all += ", or 0 for " + std::string(zero);
-    return all;
-  }
+  [[nodiscard]] std::string text() const;
 };
 
 /// The range of a switch.
@@ -60,6 +50,13 @@ struct OptionField {
   [[nodiscard]] std::string allowed() const { return is_switch() ? "true, false" : range.text(); }
 };
 
+namespace detail {
+
+/// Throws InputError "<field> is <value>; allowed is <range>".
+[[noreturn]] void refuse_field(const std::string& field, double value, const OptionRange& range);
+
+}  // namespace detail
+
 /// Throws InputError "<owner>.<field> is <value>; allowed is <range>" for the first field outside its range.
 template <class Options>
 void check_fields(const std::string& owner, const Options& options) {
@@ -68,8 +65,7 @@ void check_fields(const std::string& owner, const Options& options) {
         [&](const auto member) {
           const double value = static_cast<double>(options.*member);
           if (!field.is_switch() && !field.range.holds(value))
-            throw InputError(owner + "." + field.name + " is " + number_text(value) + "; allowed is " +
-                             field.range.text());
+            detail::refuse_field(owner + "." + field.name, value, field.range);
         },
         field.member);
 }

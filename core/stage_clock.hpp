@@ -5,12 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace emberfold::core {
+#include "core/context.hpp"
 
-struct StageTime {
-  std::string name;
-  double seconds = 0;  ///< wall time
-};
+namespace emberfold::core {
 
 /// Measures how long the stages of a long call take.
 class StageClock {

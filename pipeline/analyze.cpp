@@ -8,15 +8,21 @@
 
 #include "core/error.hpp"
 #include "core/freed_memory.hpp"
+#include "core/stage_clock.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
+#include "mcmc/simulation/event_statistics.hpp"
+#include "pipeline/calibration.hpp"
 #include "pipeline/figures/figures.hpp"
+#include "pipeline/footage/footage.hpp"
 #include "pipeline/inference/cuts.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
 #include "pipeline/rate_correction.hpp"
+#include "pipeline/readings.hpp"
 #include "pipeline/stages/analysis_stages.hpp"
 #include "sketch/background/static_pixels.hpp"
+#include "sketch/background/still_background.hpp"
 #include "sketch/rendering/sharpening.hpp"
 
 namespace emberfold::pipeline {

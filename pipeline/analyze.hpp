@@ -10,24 +10,55 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
-#include "core/stage_clock.hpp"
+#include "core/option_field.hpp"
 #include "graph/curves/curve_identity.hpp"
 #include "graph/events/event_names.hpp"
 #include "graph/events/events.hpp"
 #include "graph/events/review.hpp"
 #include "graph/matching/match.hpp"
 #include "graph/motion_graph.hpp"
+#include "mcmc/learning/clip_statistics.hpp"
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/sampler/infer.hpp"
-#include "pipeline/calibration.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/inference/event_posterior.hpp"
-#include "pipeline/readings.hpp"
 #include "pipeline/review/review_calibration.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
 
 namespace emberfold::pipeline {
+
+/// Holds the number of interpretations of the clip from which a sampler's chains start.
+struct StartOptions {
+  int chains = 3;  ///< with an odd number no share is exactly one half
+
+  /// Returns the fields' descriptions for checks, help and docstrings.
+  static auto fields() {
+    using core::between;
+    return std::to_array<core::OptionField<StartOptions>>({
+        {"chains", &StartOptions::chains, "N", between(1, 64),
+         "Number of sampler chains, started from the clip and from copies of it in noise"},
+    });
+  }
+  /// Throws core::InputError naming field, value and range.
+  void validate() const;
+};
+
+/// Holds the settings of calibrate().
+struct CalibrateOptions {
+  int calibrate = 2;  ///< done when strokes are first drawn from the model
+
+  /// Returns the fields' descriptions for checks, help and docstrings.
+  static auto fields() {
+    using core::between;
+    return std::to_array<core::OptionField<CalibrateOptions>>({
+        {"calibrate", &CalibrateOptions::calibrate, "ROUNDS", between(0, 20),
+         "Draw from the model, analyse the clip and correct the rates; 0: never"},
+    });
+  }
+  /// Throws core::InputError naming field, value and range.
+  void validate() const;
+};
 
 /// Holds the settings of analyze().
 struct AnalyzeOptions {

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/context.hpp"
-#include "core/option_field.hpp"
 #include "graph/matching/match.hpp"
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/simulation/event_statistics.hpp"
+#include "pipeline/analyze.hpp"
 #include "sketch/extract.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
 
@@ -17,22 +16,6 @@ namespace emberfold::pipeline {
 
 /// Maximum number of frames that one round of a calibration draws, and that it examines in the clip.
 inline constexpr int kCalibrationFrames = 150;
-
-/// Holds the settings of calibrate().
-struct CalibrateOptions {
-  int calibrate = 2;  ///< done when strokes are first drawn from the model
-
-  /// Returns the fields' descriptions for checks, help and docstrings.
-  static auto fields() {
-    using core::between;
-    return std::to_array<core::OptionField<CalibrateOptions>>({
-        {"calibrate", &CalibrateOptions::calibrate, "ROUNDS", between(0, 20),
-         "Draw from the model, analyse the clip and correct the rates; 0: never"},
-    });
-  }
-  /// Throws core::InputError naming field, value and range.
-  void validate() const;
-};
 
 /// Holds how the clip was analysed, and how clips are drawn from its model.
 struct ReadingAndDrawing {

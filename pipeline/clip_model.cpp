@@ -8,8 +8,12 @@
 
 #include "core/error.hpp"
 #include "core/io/model_folder.hpp"
+#include "pipeline/footage/footage.hpp"
 #include "pipeline/footage/footage_strokes.hpp"
 #include "pipeline/frame_synthesis.hpp"
+#include "pipeline/rate_correction.hpp"
+#include "sketch/background/still_background.hpp"
+#include "sketch/rendering/sharpening.hpp"
 
 namespace emberfold::pipeline {
 

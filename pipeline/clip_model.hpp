@@ -1,19 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
+#include "graph/matching/match.hpp"
+#include "graph/motion_graph.hpp"
+#include "mcmc/learning/clip_statistics.hpp"
 #include "mcmc/model/motion_model.hpp"
-#include "pipeline/footage/footage.hpp"
-#include "pipeline/rate_correction.hpp"
-#include "sketch/background/still_background.hpp"
-#include "sketch/rendering/sharpening.hpp"
+#include "sketch/background/background.hpp"
+#include "sketch/extract.hpp"
+#include "sketch/rendering/frame_renderer.hpp"
 
 namespace emberfold::pipeline {
+
+/// Holds the frames of a clip that differ from the ones before them, compressed (io::encode_frame).
+struct Footage {
+  cv::Size size;     ///< px
+  int channels = 1;  ///< 1 or 3
+  std::vector<std::vector<std::uint8_t>> frames;
+  graph::MotionGraph strokes = {};  ///< seen in the frames; empty if unknown
+
+  [[nodiscard]] bool empty() const { return frames.empty(); }
+};
+
+/// Holds a pending correction of a model's rates (calibrate): how the clip was analysed, and its statistics.
+/// Stored with the model, so that a model's folder alone suffices to correct it. Only clips of drawn strokes
+/// need it, so it is not applied before one is drawn.
+struct RateCorrection {
+  int rounds = 0;  ///< 1…20
+  std::uint64_t seed = 1;
+  mcmc::EventStatistics source;    ///< of the clip, matched bottom-up
+  mcmc::EventStatistics observed;  ///< those to which the rates are balanced (mcmc::FitResult)
+  sketch::ExtractOptions sketch;
+  graph::MatchOptions match;
+};
 
 /// Holds a clip's model: strokes, their motion, and everything that its frames are drawn with.
 struct ClipModel {

@@ -6,9 +6,13 @@
 #include "core/error.hpp"
 #include "core/text/check_range.hpp"
 #include "pipeline/carried/carried_synthesis.hpp"
+#include "pipeline/footage/footage.hpp"
 #include "pipeline/footage/footage_synthesis.hpp"
+#include "pipeline/frame_method.hpp"
 #include "pipeline/frame_synthesis.hpp"
+#include "pipeline/rate_correction.hpp"
 #include "pipeline/strokes/stroke_synthesis.hpp"
+#include "sketch/rendering/sharpening.hpp"
 
 namespace emberfold::pipeline {
 
@@ -105,6 +109,10 @@ ClipSynthesis::ClipSynthesis(ClipModel model, const ClipSynthesisOptions& option
   method_ = begin(model_, fill_kind_, options_, context_);
 }
 
+ClipSynthesis::~ClipSynthesis() = default;
+ClipSynthesis::ClipSynthesis(ClipSynthesis&&) noexcept = default;
+ClipSynthesis& ClipSynthesis::operator=(ClipSynthesis&&) noexcept = default;
+
 cv::Mat ClipSynthesis::next() {
   if (ahead_.empty())
     method_->each(
@@ -114,8 +122,20 @@ cv::Mat ClipSynthesis::next() {
   return frame;
 }
 
+const SynthesisStatistics* ClipSynthesis::statistics() const {
+  return method_->statistics();
+}
+
+graph::MotionGraph ClipSynthesis::motion(int count) const {
+  return method_->motion(count, context_);
+}
+
 const FootageSynthesis* ClipSynthesis::footage() const {
   return dynamic_cast<const FootageSynthesis*>(method_.get());
+}
+
+FrameSources ClipSynthesis::sources() const {
+  return method_->sources();
 }
 
 void ClipSynthesis::rewind() {

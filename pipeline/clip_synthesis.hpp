@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
+#include "graph/motion_graph.hpp"
 #include "mcmc/simulation/edit_model.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_model.hpp"
-#include "pipeline/frame_method.hpp"
+#include "pipeline/footage/frame_sources.hpp"
 
 namespace emberfold::pipeline {
 
@@ -28,7 +32,22 @@ struct ClipSynthesisOptions {
   std::optional<int> loop = {};  ///< for footage and carried: frames until the clip repeats, ≥ 2
 };
 
+/// Holds statistics of a clip drawn from a model.
+struct SynthesisStatistics {
+  std::vector<std::size_t> patches, strokes;  ///< of each frame
+  std::array<std::size_t, 6> operators{};     ///< births, deaths, splits, merges, connects, disconnects
+  std::optional<double> copied_share = {};  ///< CopiedShare of every fourth frame; none of a model's strokes
+
+  /// Counts the next frame. `changes`: its numbers of the operators above.
+  void add(const graph::AttributeGraph& graph, const std::array<int, 6>& changes) {
+    patches.push_back(graph.size());
+    strokes.push_back(graph::components(graph).count);
+    for (std::size_t k = 0; k < operators.size(); ++k) operators[k] += static_cast<std::size_t>(changes[k]);
+  }
+};
+
 class FootageSynthesis;
+class FrameMethod;
 
 /// Draws an endless number of new frames of a clip's model: CV_8U, with the model's size and rate.
 /// Equal models, options and seeds give equal frames, whatever the number of threads and calls. Example:
@@ -42,6 +61,9 @@ class ClipSynthesis final : public core::FrameSource {
   /// core::Cancelled.
   explicit ClipSynthesis(ClipModel model, const ClipSynthesisOptions& options = {},
                          const core::Context& context = {});
+  ~ClipSynthesis() override;
+  ClipSynthesis(ClipSynthesis&&) noexcept;
+  ClipSynthesis& operator=(ClipSynthesis&&) noexcept;
 
   [[nodiscard]] const core::ClipInfo& info() const override { return info_; }
   /// Returns the next frame; several are drawn at once, ahead of it. Throws core::Cancelled.
@@ -52,16 +74,16 @@ class ClipSynthesis final : public core::FrameSource {
   /// They are handed over in order and one at a time, while the next ones are drawn. Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take);
   /// Returns statistics of the strokes drawn so far, those ahead of next() included; null for a footage.
-  [[nodiscard]] const SynthesisStatistics* statistics() const { return method_->statistics(); }
+  [[nodiscard]] const SynthesisStatistics* statistics() const;
   /// Returns the graphs of the clip's first `count` ≥ 1 frames with their links. Throws core::InputError for
   /// a clip of footage, which draws no strokes; core::Cancelled.
-  [[nodiscard]] graph::MotionGraph motion(int count) const { return method_->motion(count, context_); }
+  [[nodiscard]] graph::MotionGraph motion(int count) const;
   /// Returns the synthesis of the footage; null where strokes are drawn.
   [[nodiscard]] const FootageSynthesis* footage() const;
   /// Returns the sources in the clip of a frame's pixels.
   /// To be called while each() hands the frame over, and not after next(). Throws core::InputError where
   /// strokes are drawn.
-  [[nodiscard]] FrameSources sources() const { return method_->sources(); }
+  [[nodiscard]] FrameSources sources() const;
   /// Returns the source of the clip.
   [[nodiscard]] ModelFill fill_kind() const { return fill_kind_; }
 

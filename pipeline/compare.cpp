@@ -12,6 +12,11 @@
 #include "dytex/measures/psnr.hpp"
 #include "dytex/measures/spectra.hpp"
 #include "dytex/measures/ssim.hpp"
+#include "mcmc/learning/stroke_statistics.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/clip_profile.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
+#include "pipeline/comparison/visible_measures.hpp"
 
 namespace emberfold::pipeline {
 

@@ -18,12 +18,10 @@
 #include "dytex/learn.hpp"
 #include "graph/matching/match.hpp"
 #include "mcmc/model/motion_model.hpp"
-#include "pipeline/comparison/clip_profile.hpp"
-#include "pipeline/comparison/comparison_curve.hpp"
-#include "pipeline/comparison/prediction.hpp"
+#include "pipeline/comparison/comparison_results.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/rendering/sharpening.hpp"
+#include "sketch/rendering/frame_renderer.hpp"
 
 namespace emberfold::pipeline {
 

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
+#include "pipeline/rate_correction.hpp"
 
 namespace emberfold::pipeline {
 

@@ -1,33 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <functional>
-#include <optional>
-#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
 #include "graph/motion_graph.hpp"
+#include "pipeline/clip_synthesis.hpp"
 #include "pipeline/footage/frame_sources.hpp"
 
 namespace emberfold::pipeline {
-
-/// Holds statistics of a clip drawn from a model.
-struct SynthesisStatistics {
-  std::vector<std::size_t> patches, strokes;  ///< of each frame
-  std::array<std::size_t, 6> operators{};     ///< births, deaths, splits, merges, connects, disconnects
-  std::optional<double> copied_share = {};  ///< CopiedShare of every fourth frame; none of a model's strokes
-
-  /// Counts the next frame. `changes`: its numbers of the operators above.
-  void add(const graph::AttributeGraph& graph, const std::array<int, 6>& changes) {
-    patches.push_back(graph.size());
-    strokes.push_back(graph::components(graph).count);
-    for (std::size_t k = 0; k < operators.size(); ++k) operators[k] += static_cast<std::size_t>(changes[k]);
-  }
-};
 
 /// A way of making the frames of a new clip, one after the other without end.
 /// The frames are the same at any number of threads and calls.

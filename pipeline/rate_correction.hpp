@@ -1,31 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
-#include "graph/matching/match.hpp"
-#include "mcmc/simulation/event_statistics.hpp"
-#include "sketch/extract.hpp"
+#include "mcmc/learning/clip_statistics.hpp"
+#include "pipeline/clip_model.hpp"
 
 namespace emberfold::pipeline {
-
-struct ClipModel;
-
-/// Holds a pending correction of a model's rates (calibrate): how the clip was analysed, and its statistics.
-/// Stored with the model, so that a model's folder alone suffices to correct it. Only clips of drawn strokes
-/// need it, so it is not applied before one is drawn.
-struct RateCorrection {
-  int rounds = 0;  ///< 1…20
-  std::uint64_t seed = 1;
-  mcmc::EventStatistics source;    ///< of the clip, matched bottom-up
-  mcmc::EventStatistics observed;  ///< those to which the rates are balanced (mcmc::FitResult)
-  sketch::ExtractOptions sketch;
-  graph::MatchOptions match;
-};
 
 /// Adds a correction to a motion model's archive, in model.json under "correction".
 void add_rate_correction(core::ModelArchive& archive, const RateCorrection& correction);

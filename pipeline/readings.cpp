@@ -11,6 +11,7 @@
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "pipeline/masked_sketch.hpp"
+#include "sketch/background/still_background.hpp"
 
 namespace emberfold::pipeline {
 

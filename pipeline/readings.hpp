@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -11,29 +10,13 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
-#include "core/option_field.hpp"
 #include "graph/matching/match.hpp"
 #include "graph/motion_graph.hpp"
+#include "pipeline/analyze.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
 
 namespace emberfold::pipeline {
-
-/// Holds the number of interpretations of the clip from which a sampler's chains start.
-struct StartOptions {
-  int chains = 3;  ///< with an odd number no share is exactly one half
-
-  /// Returns the fields' descriptions for checks, help and docstrings.
-  static auto fields() {
-    using core::between;
-    return std::to_array<core::OptionField<StartOptions>>({
-        {"chains", &StartOptions::chains, "N", between(1, 64),
-         "Number of sampler chains, started from the clip and from copies of it in noise"},
-    });
-  }
-  /// Throws core::InputError naming field, value and range.
-  void validate() const;
-};
 
 /// What a chain starts from: the noisy copy of that index; none: the clip itself.
 using StartReading = std::optional<std::size_t>;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pipeline/masked_sketch.hpp"
+#include "sketch/background/still_background.hpp"
 
 namespace emberfold::pipeline {
 

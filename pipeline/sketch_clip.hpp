@@ -8,7 +8,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "graph/motion_graph.hpp"
-#include "sketch/background/still_background.hpp"
+#include "sketch/background/background.hpp"
 #include "sketch/extract.hpp"
 
 namespace emberfold::pipeline {

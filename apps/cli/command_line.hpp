@@ -11,6 +11,7 @@
 #include "apps/cli/command.hpp"
 #include "apps/cli/settings.hpp"
 #include "core/io/read_options.hpp"
+#include "core/text/format_number.hpp"
 #include "sketch/extract.hpp"
 
 // Shared by the commands, which describe themselves to the parser. Only their own sources include this.

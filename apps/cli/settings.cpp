@@ -8,6 +8,7 @@
 
 #include "apps/cli/command.hpp"
 #include "apps/cli/did_you_mean.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/option_field.hpp"
+#include "core/text/format_number.hpp"
 
 namespace emberfold::apps {
 

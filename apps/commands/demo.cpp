@@ -11,6 +11,7 @@
 #include "apps/commands/analysis.hpp"
 #include "apps/commands/demo_story.hpp"
 #include "core/io/clip_writer.hpp"
+#include "core/text/format_number.hpp"
 #include "graph/io/motion_io.hpp"
 #include "pipeline/rate_correction.hpp"
 

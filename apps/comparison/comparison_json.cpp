@@ -8,6 +8,7 @@
 #include "apps/cli/summary.hpp"
 #include "core/text/format_number.hpp"
 #include "dytex/measures/spectra.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 
 namespace emberfold::apps {
 

@@ -11,6 +11,7 @@
 
 #include "core/io/staged_output.hpp"
 #include "pipeline/compare.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
 
 // The parts of measures.json ("emberfold.measures", version 2).
 namespace emberfold::apps {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/comparison/comparison_json.hpp"
+#include "pipeline/comparison/visible_measures.hpp"
 
 namespace emberfold::apps {
 

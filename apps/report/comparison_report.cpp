@@ -17,6 +17,7 @@
 #include "apps/pictures/still.hpp"
 #include "apps/report/report.hpp"
 #include "apps/report/report_assets.hpp"
+#include "pipeline/comparison/visible_measures.hpp"
 
 namespace emberfold::apps {
 

@@ -15,6 +15,7 @@
 #include "core/error.hpp"
 #include "core/fingerprint.hpp"
 #include "core/io/column_folder.hpp"
+#include "pipeline/rate_correction.hpp"
 
 namespace emberfold::apps {
 

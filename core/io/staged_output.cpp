@@ -12,6 +12,7 @@
 #include "core/io/files.hpp"
 #include "core/io/require_apart.hpp"
 #include "core/io/scratch.hpp"
+#include "core/io/writing/folder_lock.hpp"
 
 namespace emberfold::io {
 
@@ -52,7 +53,7 @@ OutputFolder::OutputFolder(fs::path folder, Existing existing)
     if (missing.has_filename()) made_.push_back(missing);
   try {
     make_folder(folder_);
-    lock_ = FolderLock(folder_);
+    lock_ = std::make_unique<const FolderLock>(folder_);
     stage_ = scratch_path(folder_);
     make_folder(stage_);
   } catch (const core::IoError& error) {

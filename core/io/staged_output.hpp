@@ -4,13 +4,14 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/io/writing/folder_lock.hpp"
-
 namespace emberfold::io {
+
+class FolderLock;
 
 /// Selects which files an output folder may replace.
 enum class Existing {
@@ -49,7 +50,7 @@ class OutputFolder {
 
  private:
   std::filesystem::path folder_, stage_;
-  FolderLock lock_;
+  std::unique_ptr<const FolderLock> lock_;
   Existing existing_;
   std::vector<std::filesystem::path> made_;  // folders that did not exist, the innermost first
   std::vector<std::string> inputs_;

@@ -9,9 +9,8 @@
 
 #include "core/context.hpp"
 #include "graph/motion_graph.hpp"
-#include "mcmc/learning/operator_rates.hpp"
+#include "mcmc/learning/clip_statistics.hpp"
 #include "mcmc/model/motion_model.hpp"
-#include "mcmc/simulation/event_statistics.hpp"
 
 namespace emberfold::mcmc {
 

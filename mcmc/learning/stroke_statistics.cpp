@@ -12,6 +12,7 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include "core/error.hpp"
+#include "mcmc/learning/operator_rates.hpp"
 
 namespace emberfold::mcmc {
 

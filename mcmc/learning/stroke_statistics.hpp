@@ -2,13 +2,12 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "graph/events/events.hpp"
 #include "graph/motion_graph.hpp"
-#include "mcmc/learning/operator_rates.hpp"
+#include "mcmc/learning/clip_statistics.hpp"
 
 namespace emberfold::mcmc {
 
@@ -35,15 +34,6 @@ RateInterval mean_count(std::span<const double> counts);
 /// `low` is 0 and `high` infinite for fewer than four blocks. Throws core::InputError for different lengths.
 RateInterval mean_ratio(std::span<const double> numerator, std::span<const double> denominator);
 
-/// Holds statistics of the strokes of a clip, each with a 95 % interval.
-struct StrokeStatistics {
-  int frames = 0;
-  std::array<double, 6> happened{};  ///< by graph::EventType
-  std::array<RateInterval, 6> events_a_frame;
-  double strokes_a_frame = 0;
-  RateInterval lifetime;  ///< frames: stroke-frames over ends, so that strokes cut by the clip's ends count
-  RateInterval length;    ///< px, of a stroke
-};
 /// Computes the statistics. Throws core::InputError for fewer than two frames.
 StrokeStatistics stroke_statistics(const StrokeSeries& series);
 

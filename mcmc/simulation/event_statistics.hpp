@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
 #include "graph/events/events.hpp"
 #include "graph/motion_graph.hpp"
-#include "mcmc/learning/operator_rates.hpp"
+#include "mcmc/learning/clip_statistics.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "mcmc/simulation/simulated_strokes.hpp"
 
 namespace emberfold::mcmc {
-
-/// Holds mean numbers of a clip, per frame.
-struct EventStatistics {
-  std::array<double, kSizeClasses> strokes{};  ///< of each size
-  std::array<double, 6> events{};              ///< of each kind: graph::EventType
-  double patches = 0;
-};
 
 /// Computes the statistics of a matched clip of two frames or more; `events` are its stroke events.
 EventStatistics event_statistics(const graph::MotionGraph& motion, std::span<const graph::Event> events);

@@ -13,15 +13,10 @@
 #include "dytex/measures/flow_histograms.hpp"
 #include "dytex/measures/lbp_top.hpp"
 #include "dytex/measures/spectra.hpp"
+#include "pipeline/comparison/comparison_results.hpp"
 
 namespace emberfold::pipeline {
 
-/// Holds the lengths of the measured curves; they must agree in clips that are compared.
-struct MeasureScale {
-  int segment = 4;  ///< frames in a segment of the spectrum in time
-  int lags = 1;     ///< frames, the longest lag of the autocorrelation
-  int rings = 1;    ///< rings of the spectrum in space
-};
 /// Returns the scale for clips of at least `frames` frames and at least this size.
 MeasureScale measure_scale(std::int64_t frames, cv::Size size);
 
@@ -29,39 +24,6 @@ MeasureScale measure_scale(std::int64_t frames, cv::Size size);
 std::vector<cv::Mat> bytes_to_levels(std::span<const cv::Mat> bytes);
 /// Returns the luma of frames of levels (CV_32F, 1 or 3 channels).
 std::vector<cv::Mat> levels_to_luma(std::span<const cv::Mat> levels);
-
-/// Holds the measures of a clip's pixels that are single numbers.
-struct PixelFigures {
-  double crease_sharpness = 0;  ///< 1/px, mean over frames
-  double crease_gradient = 0;   ///< levels/px, mean over frames
-  double si = 0, mean_si = 0;   ///< ITU-T P.910 SI: maximum over frames, as P.910 defines it, and mean
-  double ti = 0, mean_ti = 0;   ///< ITU-T P.910 TI, likewise
-
-  bool operator==(const PixelFigures&) const = default;
-};
-
-/// Holds the curves of a clip that its distances are taken between.
-struct MeasureCurves {
-  std::vector<double> temporal_db;  ///< power, dB, at k / segment cycles per frame, k = 1 … segment / 2
-  std::vector<double> radial_db;  ///< power, dB, in ring i = 1 … rings, up to i / (2 rings) cycles per pixel
-  std::vector<double> autocorrelation;  ///< at lags of 1 … `lags` frames
-
-  bool operator==(const MeasureCurves&) const = default;
-};
-
-/// Holds the distances of a clip's pixels from those of a reference, each 0 for equal clips.
-struct PixelDistances {
-  double temporal_db = 0;       ///< dB, between the spectra in time
-  double radial_db = 0;         ///< dB, between the spectra in space
-  double autocorrelation = 0;   ///< RMS difference of the autocorrelations
-  double patterns = 0;          ///< chi-square distance of the binary patterns (LBP-TOP), 0…1
-  double flow_px = 0;           ///< px per frame, Wasserstein distance of the optical flows
-  double crease_sharpness = 0;  ///< share of the reference's: 0.1 means 10 % more or less
-  double si = 0;                ///< share of the reference's mean SI
-  double ti = 0;                ///< share of the reference's mean TI
-
-  bool operator==(const PixelDistances&) const = default;
-};
 
 /// Gathers all pixel measures of a clip, frame by frame.
 /// Frames above 2^18 pixels are subsampled for the spectrum in time and the autocorrelation, every second,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/comparison/clip_profile.hpp"
 
+#include "pipeline/comparison/clip_strokes.hpp"
+
 namespace emberfold::pipeline {
 
 ClipProfile clip_profile(const ClipMeasures& pixels, const OptionalStrokes& strokes) {

@@ -10,26 +10,9 @@
 #include "core/context.hpp"
 #include "mcmc/learning/stroke_statistics.hpp"
 #include "pipeline/comparison/clip_measures.hpp"
-#include "pipeline/comparison/clip_strokes.hpp"
-#include "pipeline/comparison/visible_measures.hpp"
+#include "pipeline/comparison/comparison_results.hpp"
 
 namespace emberfold::pipeline {
-
-/// Holds the measures of one clip.
-struct ClipProfile {
-  PixelFigures pixels;
-  MeasureCurves curves;
-  std::optional<mcmc::StrokeStatistics> strokes;  ///< none where strokes were not sought
-};
-
-/// Holds the distances of a clip from a reference.
-struct ClipDistances {
-  PixelDistances pixels;
-  std::optional<StrokeDistances> strokes;  ///< none where strokes were not sought
-  std::optional<VisibleFigures> visible;   ///< none for the noise floor
-
-  bool operator==(const ClipDistances&) const = default;
-};
 
 using OptionalStrokes = std::optional<mcmc::StrokeStatistics>;
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <optional>
 #include <span>
 
 #include <opencv2/core/mat.hpp>
@@ -12,6 +10,7 @@
 #include "graph/motion_graph.hpp"
 #include "mcmc/learning/stroke_statistics.hpp"
 #include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/comparison_results.hpp"
 #include "sketch/extract.hpp"
 
 namespace emberfold::pipeline {
@@ -45,18 +44,6 @@ mcmc::StrokeSeries stroke_series(graph::SketchSequence sketch, const graph::Matc
 
 /// Returns frames first … last − 1 of a series.
 mcmc::StrokeSeries select_frames(const mcmc::StrokeSeries& series, int first, int last);
-
-/// Holds the distances of a clip's strokes from those of a reference.
-struct StrokeDistances {
-  /// RMS over the six classes of ln (rate / reference's rate), with half an event added to each count.
-  double event_rates = 0;
-  std::optional<double> lifetime, length;  ///< |ln (mean / reference's mean)|; none where either has none
-  /// True where the clip's mean is in the 95 % interval of the reference's; of rates by graph::EventType.
-  std::array<bool, 6> rate_inside{};
-  bool lifetime_inside = false, length_inside = false;
-
-  bool operator==(const StrokeDistances&) const = default;
-};
 
 /// Returns "stroke_events", "stroke_lifetime" and "stroke_length", the distances of StrokeDistances.
 std::span<const MeasureDescription> stroke_measures();

@@ -19,7 +19,10 @@
 #include "pipeline/comparison/compared_models.hpp"
 #include "pipeline/frame_synthesis.hpp"
 #include "pipeline/parameter_count.hpp"
+#include "sketch/background/static_pixels.hpp"
+#include "sketch/background/still_background.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
+#include "sketch/rendering/sharpening.hpp"
 
 namespace emberfold::pipeline {
 

@@ -9,6 +9,7 @@
 
 #include "dytex/baselines/star.hpp"
 #include "pipeline/comparison/compared_models.hpp"
+#include "pipeline/comparison/prediction.hpp"
 
 namespace emberfold::pipeline {
 

@@ -6,8 +6,15 @@
 
 #include "core/context.hpp"
 #include "core/error.hpp"
+#include "mcmc/learning/stroke_statistics.hpp"
 #include "pipeline/compare.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/clip_profile.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/comparison/compared_models.hpp"
+#include "pipeline/comparison/comparison_curve.hpp"
+#include "pipeline/comparison/prediction.hpp"
+#include "pipeline/comparison/visible_measures.hpp"
 
 namespace emberfold::pipeline {
 

@@ -10,34 +10,9 @@
 
 #include "core/context.hpp"
 #include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/comparison_results.hpp"
 
 namespace emberfold::pipeline {
-
-/// Holds the visible differences of a drawn clip from its source, where the source moves.
-struct VisibleFigures {
-  /// Distance of the source's patches of 3 frames and 7×7 px to the nearest ones of the clip, divided by that
-  /// to the nearest of the source's first half: above 1 the clip lacks something that the source shows.
-  double complete = 0;
-  /// Distance of the clip's patches to the nearest ones of the source, with the same divisor: above 1 the
-  /// clip shows something that the source does not. With `complete`, the two terms of Simakov et al. 2008's
-  /// similarity.
-  double coherent = 0;
-  double flow = 0;        ///< 95th percentile of the speed of optical flow, share of the source's
-  double variance = 0;    ///< over time, share of the source's
-  double difference = 0;  ///< 0…1, share of pixels within 2 levels of one source frame (CopiedShare)
-  double copied =
-      0;  ///< 0…1, share of pixels within 2 levels of those of one frame of the source (CopiedShare)
-
-  /// Returns whether flow, variance and difference are all in 0.7…1.4.
-  [[nodiscard]] bool moves_alike() const;
-
-  /// Returns the visible distance of the clip from the source, ≥ 0: the root of the squared natural
-  /// logarithms of flow, variance and difference, each at most ln 3, and of three times those of `complete`
-  /// and `coherent` above 1.
-  [[nodiscard]] double apart() const;
-
-  bool operator==(const VisibleFigures&) const = default;
-};
 
 /// Returns the figures of VisibleFigures, in the order of its fields.
 std::span<const MeasureDescription> visible_measures();

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -11,19 +10,10 @@
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
 #include "graph/motion_graph.hpp"
+#include "pipeline/clip_model.hpp"
 
 // The frames of a clip as a part of its model: new clips can be made from them instead of from strokes.
 namespace emberfold::pipeline {
-
-/// Holds the frames of a clip that differ from the ones before them, compressed (io::encode_frame).
-struct Footage {
-  cv::Size size;     ///< px
-  int channels = 1;  ///< 1 or 3
-  std::vector<std::vector<std::uint8_t>> frames;
-  graph::MotionGraph strokes = {};  ///< seen in the frames; empty if unknown
-
-  [[nodiscard]] bool empty() const { return frames.empty(); }
-};
 
 /// Maximum bytes of frames in a model: 300 frames of 1280×720 in colour.
 constexpr std::size_t kMostFootage = std::size_t{3} * 1280 * 720 * 300;

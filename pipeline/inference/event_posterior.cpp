@@ -8,6 +8,7 @@
 #include "graph/events/event_family.hpp"
 #include "graph/matching/skipped_patches.hpp"
 #include "mcmc/inference/change_posterior.hpp"
+#include "pipeline/inference/event_evidence.hpp"
 
 namespace emberfold::pipeline {
 

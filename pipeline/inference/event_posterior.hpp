@@ -7,7 +7,7 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "graph/events/events.hpp"
-#include "pipeline/inference/event_evidence.hpp"
+#include "graph/motion_graph.hpp"
 
 namespace emberfold::pipeline {
 

@@ -9,6 +9,8 @@
 #include <pybind11/stl.h>
 
 #include "pipeline/compare.hpp"
+#include "pipeline/comparison/clip_measures.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/comparison/visible_measures.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"

@@ -12,6 +12,7 @@
 #include "pipeline/clip_synthesis.hpp"
 #include "pipeline/edit_model.hpp"
 #include "pipeline/parameter_count.hpp"
+#include "pipeline/rate_correction.hpp"
 #include "python/src/archives.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"

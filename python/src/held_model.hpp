@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pipeline/clip_model.hpp"
+#include "pipeline/rate_correction.hpp"
 
 namespace emberfold::python {
 

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 TYPE = re.compile(r"^(?:struct|class|enum class|enum)\s+(\w+)")
+FORWARD = re.compile(r"^\s*(?:struct|class|enum class|enum)\s+(\w+);")
 FUNCTION = re.compile(r"^[\w:<>,&*\s\[\]]*?\b(\w+)\(")
 FIELD = re.compile(r"^\s+[\w:<>,\s]+?[\s>&*](\w+)(?:\{[^}]*\})?(?:\s*=[^;]*)?(?:,\s*\w+(?:\s*=[^;,]*)?)*;")
 
@@ -48,6 +49,9 @@ def read(path):
     for comment, code in statements(path.read_text(encoding="utf-8").splitlines()):
         if found := re.match(r"^namespace emberfold::(\w+) \{", code):
             space = found.group(1)
+        elif found := FORWARD.match(code):
+            if comment and not owner:
+                yield f"{space}::{found.group(1)}", comment
         elif found := TYPE.match(code.strip()) if not code.startswith(" ") else None:
             owner = f"{space}::{found.group(1)}"
             if comment:

@@ -5,18 +5,12 @@
 
 #include "core/model_archive.hpp"
 #include "graph/attribute_graph.hpp"
+#include "sketch/background/background.hpp"
 #include "sketch/background/level_clamp.hpp"
 
 // The range of levels that a clip shows at each place. A stroke that leaves the place it was learned at must
 // not take the levels of that place with it.
 namespace emberfold::sketch {
-
-/// Holds the darkest and the brightest level around each cell, channel by channel. A cell counts the square
-/// of pixels within kLevelRangeCell px of its middle. Empty where the range is not known.
-struct LevelRange {
-  cv::Mat low, high;  ///< CV_8U, 1 or 3 channels, one value a cell
-  [[nodiscard]] bool empty() const { return low.empty(); }
-};
 
 /// Measures the range of one frame. `levels`: CV_32F, white = 255. O(pixels).
 LevelRange measure_level_range(const cv::Mat& levels);

@@ -6,17 +6,11 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
+#include "sketch/background/background.hpp"
 
 // Pixels that keep still through a whole clip, for instance a bridge behind a flag. In new clips nothing
 // moves there.
 namespace emberfold::sketch {
-
-/// Holds the pixels that keep still through a whole clip. Empty where they are not known.
-struct StaticPixels {
-  cv::Mat levels;  ///< CV_8U, 1 or 3 channels: means; 0 where the pixel is not still
-  cv::Mat still;   ///< CV_8U, 255 where the pixel is still
-  [[nodiscard]] bool empty() const { return levels.empty(); }
-};
 
 /// Finds the pixels that stay near their mean level through the whole clip. A pixel is still where in all
 /// channels, and in all but a hundredth of the frames, it differs from its mean by at most 14 grey levels and

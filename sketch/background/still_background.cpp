@@ -10,7 +10,9 @@
 #include "core/clip.hpp"
 #include "core/math/cell_grid.hpp"
 #include "core/model_arrays.hpp"
+#include "sketch/background/level_range.hpp"
 #include "sketch/background/patch_distance.hpp"
+#include "sketch/background/static_pixels.hpp"
 
 namespace emberfold::sketch {
 

@@ -7,9 +7,7 @@
 
 #include "core/model_archive.hpp"
 #include "graph/attribute_graph.hpp"
-#include "sketch/background/level_range.hpp"
-#include "sketch/background/patch_distance.hpp"
-#include "sketch/background/static_pixels.hpp"
+#include "sketch/background/background.hpp"
 #include "sketch/rendering/render.hpp"
 
 // The still background between strokes. A black sky behind a fire belongs to no stroke; diffusion from the
@@ -18,38 +16,14 @@ namespace emberfold::sketch {
 
 constexpr int kBackgroundCell = 16;  ///< px, side of a cell
 
-/// Holds the mean levels of one frame over cells of kBackgroundCell px.
-struct FrameBackground {
-  cv::Mat levels;     ///< CV_32F, 1 or 3 channels, a cell each, white = 255
-  cv::Mat uncovered;  ///< CV_8U, 255 where no patch lies in the cell or near it
-  LevelRange level_range = {};
-};
 /// Measures a frame's cells and which of them its patches leave open. `levels`: CV_32F, 1 or 3 channels,
 /// white = 255. O(pixels).
 FrameBackground measure_background(const cv::Mat& levels, const graph::AttributeGraph& graph);
 
-/// Holds the still background of a clip and the range of its levels. Empty where it is not known.
-struct Background {
-  cv::Mat levels;  ///< CV_32F, 1 or 3 channels, a cell each, white = 255
-  /// CV_8U, 255 where a cell is uncovered in a fifth of the frames and its SD over them is below 8 levels.
-  cv::Mat still;
-  LevelRange level_range = {};  ///< of all frames, strokes included
-  StaticPixels static_pixels = {};
-  [[nodiscard]] bool empty() const { return levels.empty(); }
-};
 /// Estimates the still background from the cells of at least one frame. Leaves `static_pixels` empty: see
 /// find_static_pixels. O(cells · frames).
 Background estimate_background(std::span<const FrameBackground> frames);
 
-/// Holds the still background pixel by pixel, made once for all frames that show it. Empty where nothing is
-/// still.
-struct BackgroundImage {
-  cv::Mat levels;      ///< CV_32F, 1 or 3 channels, white = 255; anything where it is not still
-  cv::Mat still;       ///< CV_8U, 255 where the background is still
-  cv::Mat fixed = {};  ///< CV_8U, 255 at static pixels, which nothing covers; may be empty
-  cv::Mat share = {};  ///< CV_32F: weight of static pixels, 1 where fixed, less at their edge
-  [[nodiscard]] bool empty() const { return still.empty(); }
-};
 /// Spreads the still background over the pixels of a frame. `channels`: 1 or 3.
 BackgroundImage expand_background(const Background& background, cv::Size frame, int channels);
 

@@ -10,6 +10,8 @@
 #include "core/clip.hpp"
 #include "core/context.hpp"
 #include "core/parallel.hpp"
+#include "sketch/background/level_range.hpp"
+#include "sketch/background/still_background.hpp"
 #include "sketch/inpainting/fill.hpp"
 #include "sketch/rendering/fade_levels.hpp"
 #include "sketch/rendering/patch_contrast.hpp"

@@ -8,7 +8,7 @@
 
 #include "core/context.hpp"
 #include "graph/attribute_graph.hpp"
-#include "sketch/background/still_background.hpp"
+#include "sketch/background/background.hpp"
 #include "sketch/rendering/render.hpp"
 
 namespace emberfold::sketch {
@@ -31,11 +31,17 @@ struct RenderOptions {
   int channels = 3;       ///< 1 or 3
   float empty_level = 0;  ///< of a frame without patches and background, white = 255
   Background background = {};
-  double blur_share = 1;     ///< of their fitted blur that patches are drawn with, 0…1 (sharpening.hpp)
+  double blur_share = 1;     ///< of their fitted blur that patches are drawn with, 0…1 (Sharpening)
   double contrast_gain = 1;  ///< of their contrast, ≥ 1
   /// The patches come from a model and lie at new places: they take no level that the clip never shows there
-  /// (level_range.hpp).
+  /// (LevelRange).
   bool new_places = false;
+};
+
+/// Holds by how much the patches of new clips are sharpened.
+struct Sharpening {
+  double blur_share = 1;     ///< of the fitted blur, 0.25…1
+  double contrast_gain = 1;  ///< of the fitted contrast, 1…1.5
 };
 
 /// Holds the content of one frame.

@@ -33,11 +33,6 @@ FlankGradient measure_flank_gradient(const cv::Mat& luma, const graph::Attribute
 FlankGradient measure_clip_flank_gradient(core::FrameSource& source, const graph::SketchSequence& sketch,
                                           const core::Context& context = {});
 
-/// Holds by how much the patches of new clips are sharpened.
-struct Sharpening {
-  double blur_share = 1;     ///< of the fitted blur, 0.25…1
-  double contrast_gain = 1;  ///< of the fitted contrast, 1…1.5
-};
 /// Finds the sharpening with which drawn frames come nearest to a flank gradient `target`. Bisects first over
 /// less blur, then, where that is not enough, over more contrast. Returns no change where the frames are that
 /// steep or have no patches. Draws the frames about 15 times. Throws core::Cancelled.

@@ -15,6 +15,7 @@
 #include "pipeline/clip_model.hpp"
 #include "pipeline/clip_synthesis.hpp"
 #include "pipeline/frame_synthesis.hpp"
+#include "sketch/background/still_background.hpp"
 #include "sketch/rendering/sharpening.hpp"
 #include "tests/apps/commands/learned_clip.hpp"
 #include "tests/support/drawn_models.hpp"

@@ -3,6 +3,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/error.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
 #include "tests/support/messages.hpp"

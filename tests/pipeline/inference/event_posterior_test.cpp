@@ -10,6 +10,8 @@
 #include "core/error.hpp"
 #include "graph/matching/match.hpp"
 #include "graph/matching/time_reversal.hpp"
+#include "mcmc/inference/change_posterior.hpp"
+#include "pipeline/inference/event_evidence.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/sketch_scene.hpp"
