@@ -15,6 +15,7 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr double kLeastShare = 0.15;   // of the smaller region's area that overlaps
+constexpr double kSureShare = 0.5;     // from here on a link is no error of the flow, nor if a disc overlaps
 constexpr double kLeastNats = 0.7;     // a pixel, that two levels explain more than a plane does
 constexpr double kCorrelated = 2;      // px of an outline that are one observation
 constexpr double kChange = 15;         // nats
@@ -23,54 +24,84 @@ constexpr double kHollow = -0.5;       // turns by absolute turns: outlines of g
 constexpr double kGround = -1e6;       // nats that ground gains: it is never a figure
 
 using Link = std::pair<std::size_t, std::size_t>;  // a region, one of the next frame
-using Weights = std::map<Link, double>;            // pixels that overlap
 
-/// Adds half of the pixels of a frame's regions that move into regions of a neighbouring one.
-void count_overlap(const cv::Mat1i& numbers, const cv::Mat1i& there, const FigureMotion& motion,
-                   bool forwards, Weights& overlap) {
+/// What of two regions overlaps.
+struct Overlap {
+  double pixels = 0;
+  bool holds_disc = false;  ///< one of kWideDisc
+};
+using Overlaps = std::map<Link, Overlap>;
+
+double share_of_smaller(const std::vector<FigureRegion>& regions, Link link, const Overlap& overlap) {
+  return overlap.pixels / std::min(regions[link.first].area, regions[link.second].area);
+}
+
+/// Returns what each pixel of a frame's regions moves into in a neighbouring frame (numbers as
+/// region_numbers).
+cv::Mat1i carried_to(const cv::Mat1i& numbers, const cv::Mat1i& there, const FigureMotion& motion) {
+  cv::Mat1i to(numbers.size(), 0);
   for (int y = 0; y < numbers.rows; ++y)
     for (int x = 0; x < numbers.cols; ++x) {
       if (numbers(y, x) == 0) continue;
       const cv::Point at = moved(motion, numbers.size(), x, y);
-      if (at.x < 0 || at.y < 0 || at.x >= there.cols || at.y >= there.rows || there(at) == 0) continue;
-      const auto a = static_cast<std::size_t>(numbers(y, x) - 1), b = static_cast<std::size_t>(there(at) - 1);
-      overlap[forwards ? Link{a, b} : Link{b, a}] += 0.5;
+      if (at.x >= 0 && at.y >= 0 && at.x < there.cols && at.y < there.rows) to(y, x) = there(at);
+    }
+  return to;
+}
+
+/// Adds half of the pixels of a frame's regions (`numbers`) that move into regions of a neighbouring one
+/// (`to`).
+void count_overlap(const cv::Mat1i& numbers, const cv::Mat1i& to, bool forwards, Overlaps& overlaps) {
+  static const std::array kRing = {cv::Point(3, 0),  cv::Point(2, 2),   cv::Point(0, 3),  cv::Point(-2, 2),
+                                   cv::Point(-3, 0), cv::Point(-2, -2), cv::Point(0, -3), cv::Point(2, -2)};
+  static_assert(kWideDisc == 6);
+  const cv::Rect frame({0, 0}, numbers.size());
+  for (int y = 0; y < numbers.rows; ++y)
+    for (int x = 0; x < numbers.cols; ++x) {
+      if (to(y, x) == 0) continue;
+      const auto a = static_cast<std::size_t>(numbers(y, x) - 1), b = static_cast<std::size_t>(to(y, x) - 1);
+      Overlap& overlap = overlaps[forwards ? Link{a, b} : Link{b, a}];
+      overlap.pixels += 0.5;
+      overlap.holds_disc = overlap.holds_disc || std::ranges::all_of(kRing, [&](cv::Point step) {
+                             const cv::Point at = cv::Point(x, y) + step;
+                             return frame.contains(at) && numbers(at) == numbers(y, x) && to(at) == to(y, x);
+                           });
     }
 }
 
-Weights links_between(const FigureRegions& all, std::size_t r, std::size_t t, const FigureGround& ground) {
-  const FigureReading& reading = all.readings[r];
+Overlaps links_between(const FigureRegions& all, std::size_t r, std::size_t t, const FigureGround& ground) {
   const cv::Mat1i before = region_numbers(all, r, t), after = region_numbers(all, r, t + 1);
-  Weights overlap, links;
-  count_overlap(before, after, ground.to[t], true, overlap);
-  count_overlap(after, before, ground.from[t + 1], false, overlap);
-  for (const auto& [link, pixels] : overlap)
-    if (pixels >= kLeastShare * std::min(reading.regions[link.first].area, reading.regions[link.second].area))
-      links.emplace(link, pixels);
+  Overlaps links;
+  count_overlap(before, carried_to(before, after, ground.to[t]), true, links);
+  count_overlap(after, carried_to(after, before, ground.from[t + 1]), false, links);
+  std::erase_if(links, [&](const auto& item) {
+    return !item.second.holds_disc &&
+           share_of_smaller(all.readings[r].regions, item.first, item.second) < kLeastShare;
+  });
   return links;
 }
 
-/// The regions of a reading, the links of which form chains and stars.
+/// The regions of a reading, which links join into chains, splits and merges.
 class LinkedReading {
  public:
-  LinkedReading(std::vector<FigureRegion>& regions, std::size_t frames)
-      : regions_(regions), turns_of_frame_(frames) {
-    for (const FigureRegion& region : regions) {
-      turns_of_frame_[region.frame].sum += region.turning;
-      turns_of_frame_[region.frame].absolute += std::abs(region.turning);
-    }
+  LinkedReading(std::vector<FigureRegion>& regions, std::size_t frames) : regions_(regions), frames_(frames) {
+    double turns = 0, absolute = 0;
+    for (const FigureRegion& region : regions) turns += region.turning, absolute += std::abs(region.turning);
+    is_hollow_ = turns <= kHollow * absolute;
   }
 
-  /// Adds the links of a gap. Of links with others at both ends, the weakest go: stars are left.
-  void add(const Weights& links) {
+  /// Adds the links of a gap. Of those that may be errors, the weakest with others at both ends go; sure ones
+  /// stay there: a part may leave one figure and join another at once.
+  void add(const Overlaps& links) {
     std::vector<std::pair<double, Link>> weakest;
-    for (const auto& [link, weight] : links) {
+    for (const auto& [link, overlap] : links) {
       regions_[link.first].next.push_back(link.second);
       regions_[link.second].before.push_back(link.first);
-      weakest.emplace_back(weight, link);
+      if (!overlap.holds_disc && share_of_smaller(regions_, link, overlap) < kSureShare)
+        weakest.emplace_back(overlap.pixels, link);
     }
     std::ranges::sort(weakest);
-    for (const auto& [weight, link] : weakest)
+    for (const auto& [pixels, link] : weakest)
       if (regions_[link.first].next.size() > 1 && regions_[link.second].before.size() > 1) cut(link);
   }
 
@@ -97,11 +128,6 @@ class LinkedReading {
   }
 
  private:
-  /// Turns of the outlines of a frame.
-  struct Turns {
-    double sum = 0, absolute = 0;
-  };
-
   void cut(Link link) {
     std::erase(regions_[link.first].next, link.second);
     std::erase(regions_[link.second].before, link.first);
@@ -127,15 +153,10 @@ class LinkedReading {
   /// Returns whether a chain is what figures of the other polarity lie on: it has much of the frame's border,
   /// and this polarity's outlines are hollow.
   [[nodiscard]] bool is_ground(const std::vector<std::size_t>& chain, cv::Size view) const {
+    if (!is_hollow_) return false;
     double border = 0;
-    Turns turns;
-    for (const std::size_t j : chain) {
-      const Turns& of_frame = turns_of_frame_[regions_[j].frame];
-      border += regions_[j].border;
-      turns.sum += of_frame.sum, turns.absolute += of_frame.absolute;
-    }
-    return border >= kMostOfBorder * 2 * (view.width + view.height) * double(chain.size()) &&
-           turns.sum <= kHollow * turns.absolute;
+    for (const std::size_t j : chain) border += regions_[j].border;
+    return border >= kMostOfBorder * 2 * (view.width + view.height) * double(chain.size());
   }
 
   /// Returns the nats by which a chain explains the frames better than nothing does, less its free ends
@@ -146,12 +167,13 @@ class LinkedReading {
     for (const std::size_t j : chain)
       gain += regions_[j].rim / kCorrelated * (regions_[j].gain() - kLeastNats);
     if (first.before.empty() && first.frame > 0 && first.border == 0) gain -= kChange;
-    if (last.next.empty() && last.frame + 1 < turns_of_frame_.size() && last.border == 0) gain -= kChange;
+    if (last.next.empty() && last.frame + 1 < frames_ && last.border == 0) gain -= kChange;
     return gain;
   }
 
   std::vector<FigureRegion>& regions_;
-  std::vector<Turns> turns_of_frame_;
+  std::size_t frames_;
+  bool is_hollow_ = false;  ///< outlines of holes turn more than those of shapes
 };
 
 }  // namespace
@@ -159,7 +181,7 @@ class LinkedReading {
 void link_figure_regions(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines,
                          const core::Context& context) {
   const std::size_t frames = all.labels.size();
-  std::vector<std::array<Weights, kFigureReadings>> links(frames - 1);
+  std::vector<std::array<Overlaps, kFigureReadings>> links(frames - 1);
   core::parallel_for(links.size(), context, [&](std::size_t t) {
     for (std::size_t r = 0; r < kFigureReadings; ++r) links[t][r] = links_between(all, r, t, ground);
   });

@@ -139,6 +139,23 @@ TEST_CASE("three discs that touch at once are two unions, each at its place") {
   CHECK(std::abs(unions[0].position.x - unions[1].position.x) > 15);
 }
 
+TEST_CASE("a disc that goes from one figure to another at once is a separation and a union") {
+  const auto figures = figures_of(film([](Point p, int t) {
+    const double neck =
+        std::min(reached(12 - std::abs(p.x - (t < 20 ? 62 : 98)), 1.5), reached(5 - std::abs(p.y - 60), 1.5));
+    return levels(std::max({disc(p, {34, 60}, 24), disc(p, {80, 60}, 12), disc(p, {126, 60}, 24), neck}),
+                  true);
+  }));
+  const auto events = believed(figures);
+  REQUIRE(events.size() == 2);
+  for (const graph::Event& event : events) {
+    CHECK(event.frame == 20);
+    CHECK((separates(event.type) || unites(event.type)));
+    CHECK(distance(event.position, separates(event.type) ? Point{62, 60} : Point{98, 60}) < 10);
+  }
+  CHECK(separates(events[0].type) != separates(events[1].type));
+}
+
 TEST_CASE("a clip played backwards parts where it unites") {
   const auto clip = film(approaching(true));
   const auto there = believed(figures_of(clip)), back = believed(figures_of(backwards(clip)));
