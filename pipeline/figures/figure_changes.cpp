@@ -20,13 +20,13 @@ constexpr int kContactBorder = 2;         // px, nearer to which half of a conta
 
 /// Returns where `part` meets the rest of the region `whole` of a neighbouring frame: both grow in it from
 /// where they are carried to, and meet half way.
-cv::Point2d contact(const FigureRegions& all, std::size_t reading, std::size_t whole, std::size_t part,
+cv::Point2d contact(const FigureRegions& all, std::size_t polarity, std::size_t whole, std::size_t part,
                     const FigureGround& ground) {
-  const auto& regions = all.readings[reading].regions;
+  const auto& regions = all.of[polarity].regions;
   const FigureRegion &in = regions[whole], &of = regions[part];
   const FigureMotion& motion = of.frame > in.frame ? ground.to[in.frame] : ground.from[in.frame];
-  const cv::Mat1i here = region_numbers(all, reading, in.frame),
-                  there = region_numbers(all, reading, of.frame);
+  const cv::Mat1i here = region_numbers(all, polarity, in.frame),
+                  there = region_numbers(all, polarity, of.frame);
   const int number = static_cast<int>(whole) + 1;
   const cv::Rect frame({0, 0}, here.size());
   enum : std::uint8_t { kNobody, kPart, kRest };
@@ -93,9 +93,9 @@ std::vector<FigureChange> without_undone(std::vector<FigureChange> changes) {
 
 }  // namespace
 
-std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::size_t reading,
+std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::size_t polarity,
                                               const FigureGround& ground, const core::Context& context) {
-  const auto& regions = all.readings[reading].regions;
+  const auto& regions = all.of[polarity].regions;
   const std::size_t frames = all.labels.size();
   std::vector<FigureChange> changes;
   const auto largest = [&](const std::vector<std::size_t>& parts) {
@@ -127,7 +127,7 @@ std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::siz
   }
   core::parallel_for(changes.size(), context, [&](std::size_t k) {
     FigureChange& change = changes[k];
-    if (change.whole != change.part) change.at = contact(all, reading, change.whole, change.part, ground);
+    if (change.whole != change.part) change.at = contact(all, polarity, change.whole, change.part, ground);
   });
   const cv::Rect2d inside(kContactBorder, kContactBorder, ground.view.size.width - 2 * kContactBorder,
                           ground.view.size.height - 2 * kContactBorder);

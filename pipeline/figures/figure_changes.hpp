@@ -10,7 +10,7 @@
 
 namespace emberfold::pipeline {
 
-/// A change of the regions of one reading between frames `frame` − 1 and `frame`.
+/// A change of the regions of one polarity between frames `frame` − 1 and `frame`.
 struct FigureChange {
   std::size_t frame = 0;
   graph::EventType type = graph::EventType::birth;  ///< birth, death, split or merge
@@ -19,19 +19,19 @@ struct FigureChange {
   std::size_t whole = 0, part = 0;                  ///< regions: of a split or merge both, else the same
 };
 
-/// Finds the changes of a reading's figures. Those that undo one another within 3 frames and 12 px are none.
-std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::size_t reading,
+/// Finds the changes of a polarity's figures. Those that undo one another within 3 frames and 12 px are none.
+std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::size_t polarity,
                                               const FigureGround& ground, const core::Context& context);
 
-/// A change of a clip's figures, as all readings see it.
+/// A change of a clip's figures.
 struct FigureEvent {
-  FigureChange change;      ///< of the threshold nearest to 0 that sees it
-  std::size_t reading = 0;  ///< that threshold's
+  FigureChange change;
+  std::size_t polarity = 0;  ///< index of kFigurePolarities
   double probability = 0;
 };
 
-/// Returns the changes of a clip, each with its probability: the share of the thresholds that see it.
-/// Throws core::Cancelled.
+/// Returns the changes of a clip, each with its probability: the share of the thresholds at which it is seen
+/// at its place within 6 frames. Throws core::Cancelled. O(changes · pixels).
 std::vector<FigureEvent> weigh_figure_changes(const FigureRegions& all, const FigureGround& ground,
                                               const core::Context& context);
 

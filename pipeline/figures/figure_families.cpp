@@ -22,9 +22,8 @@ constexpr double kMostDrawn = 0.75;  // of a family's area
 constexpr double kSharpEdges = 1.2;  // nats a pixel, of a family's outline
 // Cells of a grid of lines are dark figures of .9 nats a pixel between bright lines of 2.7.
 // An outline of stripes or folds is that of the light ones.
-constexpr int kAlongside = 3;            // px from a figure's outline to a line's region, or a light figure's
-constexpr double kLeastAlong = 0.3;      // of a family's outline
-constexpr double kLeastFigure = 1. / 6;  // of a region, in a figure of threshold 0
+constexpr int kAlongside = 3;        // px from a figure's outline to a line's region, or a light figure's
+constexpr double kLeastAlong = 0.3;  // of a family's outline
 
 /// What all regions that links join have together.
 struct Family {
@@ -47,7 +46,7 @@ struct Family {
   [[nodiscard]] bool is_ground() const { return alongside > kLeastAlong * outline; }
 };
 
-/// The families of one reading.
+/// The families of one polarity.
 struct Families {
   std::vector<std::size_t> of_region;  ///< the region that stands for the family of each
   std::vector<Family> of;              ///< by that region
@@ -119,48 +118,29 @@ void count_alongside(const cv::Mat1i& numbers, const cv::Mat1i& other_numbers,
     }
 }
 
-/// Calls figures the regions of reading r that the figures of reading `of` share.
-void share_figures(FigureRegions& all, std::size_t of, std::size_t r) {
-  std::vector<int> inside(all.readings[r].regions.size(), 0);
-  for (std::size_t t = 0; t < all.labels.size(); ++t) {
-    const cv::Mat1i figures = region_numbers(all, of, t), numbers = region_numbers(all, r, t);
-    for (int y = 0; y < numbers.rows; ++y)
-      for (int x = 0; x < numbers.cols; ++x)
-        if (numbers(y, x) != 0 && figures(y, x) != 0 &&
-            all.readings[of].regions[static_cast<std::size_t>(figures(y, x) - 1)].is_figure)
-          ++inside[static_cast<std::size_t>(numbers(y, x) - 1)];
-  }
-  for (std::size_t i = 0; i < inside.size(); ++i) {
-    FigureRegion& region = all.readings[r].regions[i];
-    region.is_figure = !region.is_removed && inside[i] > kLeastFigure * region.area;
-  }
-}
-
 }  // namespace
 
 void find_families(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines) {
-  constexpr std::array kFirst = {reading_index(0, 0), reading_index(1, 0)};  // of threshold 0
-  std::array<Families, 2> families = {gather_families(all.readings[kFirst[0]].regions),
-                                      gather_families(all.readings[kFirst[1]].regions)};
+  std::array<Families, kFigurePolarities.size()> families = {gather_families(all.of[0].regions),
+                                                             gather_families(all.of[1].regions)};
   for (const std::size_t p : {1, 0}) {  // light first: no dark region is a figure yet
-    const std::size_t of = kFirst[p], other = kFirst[1 - p];
-    auto& regions = all.readings[of].regions;
+    const std::size_t other = 1 - p;
+    auto& regions = all.of[p].regions;
     for (std::size_t t = 0; t < all.labels.size(); ++t) {
-      const cv::Mat1i numbers = region_numbers(all, of, t), other_numbers = region_numbers(all, other, t);
+      const cv::Mat1i numbers = region_numbers(all, p, t), other_numbers = region_numbers(all, other, t);
       if (p == 1) {  // both at once: the distance is the same
         const cv::Mat1f from_lines = distance_from_edges(lines.frames[t], ground.view);
         count_drawn(numbers, from_lines, families[p]);
-        count_drawn(other_numbers, from_lines, families[1 - p]);
+        count_drawn(other_numbers, from_lines, families[other]);
       }
-      count_alongside(numbers, other_numbers, all.readings[other].regions, families[1 - p],
-                      inner_part(ground, t), families[p]);
+      count_alongside(numbers, other_numbers, all.of[other].regions, families[other], inner_part(ground, t),
+                      families[p]);
     }
     for (std::size_t i = 0; i < regions.size(); ++i) {
       const Family& family = families[p].of[families[p].of_region[i]];
       regions[i].is_figure =
           !regions[i].is_removed && (family.is_wide() || family.is_undrawn()) && !family.is_ground();
     }
-    for (std::size_t r = of + 1; r < of + kFigureThresholds.size(); ++r) share_figures(all, of, r);
   }
 }
 

@@ -150,7 +150,7 @@ graph::Patch outline_patch(const Frame& frame, Point p, Point out) {
 /// A frame's outlines.
 struct FrameFigures {
   graph::AttributeGraph graph;
-  std::vector<std::size_t> region_of, reading_of;
+  std::vector<std::size_t> region_of, polarity_of;
 };
 
 FrameFigures draw_frame(const cv::Mat& image, const core::ClipInfo& info, std::size_t t,
@@ -165,16 +165,16 @@ FrameFigures draw_frame(const cv::Mat& image, const core::ClipInfo& info, std::s
               ground.view,
               1,
               ground.noise};
-  for (std::size_t r = 0; r < kFigureReadings; r += kFigureThresholds.size()) {
-    const FigureReading& reading = all.readings[r];
-    frame.sign = kFigurePolarities[reading.polarity];
+  for (std::size_t p = 0; p < all.of.size(); ++p) {
+    const std::vector<FigureRegion>& regions = all.of[p].regions;
+    frame.sign = kFigurePolarities[p];
     cv::Mat full;
-    cv::resize(ground.levels[t][reading.polarity], full, ground.view.size, 0, 0, cv::INTER_LINEAR);
+    cv::resize(ground.levels[t][p], full, ground.view.size, 0, 0, cv::INTER_LINEAR);
     cv::extractChannel(full, frame.middle, 0);
-    const cv::Mat1i numbers = region_numbers(all, r, t);
-    for (const std::size_t index : reading.of_component[t]) {
-      if (index == kNoRegion || !reading.regions[index].is_figure) continue;
-      const auto ring = traced(numbers, reading.regions[index], index);
+    const cv::Mat1i numbers = region_numbers(all, p, t);
+    for (const std::size_t index : all.of[p].of_component[t]) {
+      if (index == kNoRegion || !regions[index].is_figure) continue;
+      const auto ring = traced(numbers, regions[index], index);
       const auto places = spaced(ring, kOutlineSpacing / ground.view.factor);
       const auto first = static_cast<std::uint32_t>(vertices.size());
       for (std::size_t i = 0; i < places.size(); ++i) {
@@ -187,7 +187,7 @@ FrameFigures draw_frame(const cv::Mat& image, const core::ClipInfo& info, std::s
                             outline_patch(frame, ring[places[i]], out)});
         const auto next = first + static_cast<std::uint32_t>((i + 1) % places.size());
         edges.push_back({vertices.back().id, graph::VertexId{next}});
-        drawn.region_of.push_back(index), drawn.reading_of.push_back(r);
+        drawn.region_of.push_back(index), drawn.polarity_of.push_back(p);
       }
     }
   }
@@ -220,18 +220,18 @@ class GapLinks {
 std::vector<graph::Link> linked(const DrawnFigures& drawn, std::size_t t, const FigureRegions& all,
                                 const FigureGround& ground) {
   const auto &before = drawn.motion.sketch.frames[t - 1], &after = drawn.motion.sketch.frames[t];
-  using Key = std::pair<std::size_t, std::size_t>;  // reading and region
+  using Key = std::pair<std::size_t, std::size_t>;  // polarity and region
   std::map<Key, std::vector<std::size_t>> here, there;
   for (std::size_t u = 0; u < before.size(); ++u)
-    here[{drawn.reading_of[t - 1][u], drawn.region_of[t - 1][u]}].push_back(u);
+    here[{drawn.polarity_of[t - 1][u], drawn.region_of[t - 1][u]}].push_back(u);
   for (std::size_t v = 0; v < after.size(); ++v)
-    there[{drawn.reading_of[t][v], drawn.region_of[t][v]}].push_back(v);
+    there[{drawn.polarity_of[t][v], drawn.region_of[t][v]}].push_back(v);
   const double factor = ground.view.factor;
   using Pair = std::tuple<double, std::size_t, std::size_t>;  // distance, px of the frame; patches
   std::vector<Pair> near;
   std::vector<std::vector<Pair>> of_regions;  // for each pair of linked regions, all pairs of patches
   for (const auto& [key, targets] : there)
-    for (const std::size_t a : all.readings[key.first].regions[key.second].before) {
+    for (const std::size_t a : all.of[key.first].regions[key.second].before) {
       const auto sources = here.find({key.first, a});
       if (sources == here.end()) continue;
       std::vector<Pair>& pairs = of_regions.emplace_back();
@@ -284,7 +284,7 @@ DrawnFigures draw_figures(core::FrameSource& source, const FigureRegions& all, c
   core::stream_frames(source, "figures", info.frames, context, draw, [&](int, FrameFigures frame) {
     drawn.motion.sketch.append(frame.graph.kept_in(context.memory()));
     drawn.region_of.push_back(std::move(frame.region_of));
-    drawn.reading_of.push_back(std::move(frame.reading_of));
+    drawn.polarity_of.push_back(std::move(frame.polarity_of));
   });
   drawn.motion.links.resize(drawn.motion.sketch.frames.size());
   core::parallel_for(drawn.motion.links.size() - 1, context,

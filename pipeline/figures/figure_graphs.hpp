@@ -13,14 +13,12 @@ namespace emberfold::pipeline {
 
 /// The outlines of a clip's figures, linked in time.
 struct DrawnFigures {
-  graph::MotionGraph motion;  ///< strokes identified; each is one region
-  /// By frame and vertex, its region.
-  std::vector<std::vector<std::size_t>> region_of;
-  /// By frame and vertex, the reading of its region: one of those of threshold 0.
-  std::vector<std::vector<std::size_t>> reading_of;
+  graph::MotionGraph motion;                          ///< strokes identified; each is one region
+  std::vector<std::vector<std::size_t>> region_of;    ///< by frame and vertex
+  std::vector<std::vector<std::size_t>> polarity_of;  ///< of that region
 };
 
-/// Draws the outer outlines of a clip's figures, of threshold 0, as rings of step edges some 5 px apart.
+/// Draws the outer outlines of a clip's figures as rings of step edges some 5 px apart.
 /// Where they are cut off by the frame's or the mask's border they run along it, without contrast. Figures
 /// whose outlines lie mostly there are ground, and not drawn. Patches of linked regions are linked by motion,
 /// and those of each pair of linked regions at least once, so that changes of regions are changes of strokes.

@@ -69,22 +69,22 @@ void count_overlap(const cv::Mat1i& numbers, const cv::Mat1i& to, bool forwards,
     }
 }
 
-Overlaps links_between(const FigureRegions& all, std::size_t r, std::size_t t, const FigureGround& ground) {
-  const cv::Mat1i before = region_numbers(all, r, t), after = region_numbers(all, r, t + 1);
+Overlaps links_between(const FigureRegions& all, std::size_t p, std::size_t t, const FigureGround& ground) {
+  const cv::Mat1i before = region_numbers(all, p, t), after = region_numbers(all, p, t + 1);
   Overlaps links;
   count_overlap(before, carried_to(before, after, ground.to[t]), true, links);
   count_overlap(after, carried_to(after, before, ground.from[t + 1]), false, links);
   std::erase_if(links, [&](const auto& item) {
     return !item.second.holds_disc &&
-           share_of_smaller(all.readings[r].regions, item.first, item.second) < kLeastShare;
+           share_of_smaller(all.of[p].regions, item.first, item.second) < kLeastShare;
   });
   return links;
 }
 
-/// The regions of a reading, which links join into chains, splits and merges.
-class LinkedReading {
+/// The regions of a polarity, which links join into chains, splits and merges.
+class LinkedRegions {
  public:
-  LinkedReading(std::vector<FigureRegion>& regions, std::size_t frames) : regions_(regions), frames_(frames) {
+  LinkedRegions(std::vector<FigureRegion>& regions, std::size_t frames) : regions_(regions), frames_(frames) {
     double turns = 0, absolute = 0;
     for (const FigureRegion& region : regions) turns += region.turning, absolute += std::abs(region.turning);
     is_hollow_ = turns <= kHollow * absolute;
@@ -181,13 +181,13 @@ class LinkedReading {
 void link_figure_regions(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines,
                          const core::Context& context) {
   const std::size_t frames = all.labels.size();
-  std::vector<std::array<Overlaps, kFigureReadings>> links(frames - 1);
+  std::vector<std::array<Overlaps, kFigurePolarities.size()>> links(frames - 1);
   core::parallel_for(links.size(), context, [&](std::size_t t) {
-    for (std::size_t r = 0; r < kFigureReadings; ++r) links[t][r] = links_between(all, r, t, ground);
+    for (std::size_t p = 0; p < all.of.size(); ++p) links[t][p] = links_between(all, p, t, ground);
   });
-  for (std::size_t r = 0; r < kFigureReadings; ++r) {
-    LinkedReading linked(all.readings[r].regions, frames);
-    for (const auto& gap : links) linked.add(gap[r]);
+  for (std::size_t p = 0; p < all.of.size(); ++p) {
+    LinkedRegions linked(all.of[p].regions, frames);
+    for (const auto& gap : links) linked.add(gap[p]);
     linked.remove_unexplaining(ground.view.size);
     context.check();
   }

@@ -20,7 +20,7 @@ constexpr int kConnectivity = 8;
 constexpr int kAround = 8;                         // px about a region that it has to explain
 constexpr double kSharpEdge = 1.4, kSoftEdge = 3;  // px, SD
 
-/// The regions of one frame and reading.
+/// The regions of one frame and polarity.
 struct FrameRegions {
   std::vector<FigureRegion> regions;
   std::vector<std::size_t> of_component;  // counted within the frame
@@ -84,7 +84,7 @@ void measure_turning(const cv::Mat1i& number, std::vector<FigureRegion>& regions
 }
 
 FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::Mat1f& level,
-                          const cv::Mat1b& inner, double noise, bool with_widths) {
+                          const cv::Mat1b& inner, double noise) {
   FrameRegions found;
   cv::Mat1i number;
   cv::Mat stats, centres;
@@ -116,7 +116,7 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
         ++region.rim;
     }
   measure_turning(number, found.regions);
-  if (with_widths) measure_widths(number, label, found.regions);
+  measure_widths(number, label, found.regions);
   explain_regions(number, label, level, noise, found.regions);
   return found;
 }
@@ -124,7 +124,7 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
 /// What is found in a frame.
 struct FrameLabels {
   cv::Mat1b labels;
-  std::array<FrameRegions, kFigureReadings> readings;
+  std::array<FrameRegions, kFigurePolarities.size()> of;
 };
 
 FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureGround& ground) {
@@ -134,10 +134,9 @@ FrameLabels label_frame(const cv::Mat1f& level, std::size_t frame, const FigureG
   for (std::size_t p = 0; p < kFigurePolarities.size(); ++p) {
     const cv::Mat1f amplitude = figure_amplitude(ground, frame, p, level);
     for (std::size_t k = 0; k < kFigureThresholds.size(); ++k) {
-      const std::size_t r = reading_index(p, k);
       const cv::Mat1b label = cv::Mat((amplitude > kFigureThresholds[k]) / 255);
-      out.labels |= label * (1 << r);
-      out.readings[r] = find_regions(label, frame, level, inner, ground.noise, k == 0);
+      out.labels |= label * label_bit(p, k);
+      if (k == 0) out.of[p] = find_regions(label, frame, level, inner, ground.noise);
     }
   }
   return out;
@@ -156,28 +155,28 @@ cv::Mat1b inner_part(const FigureGround& ground, std::size_t frame) {
 FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround& ground,
                                   const core::Context& context) {
   FigureRegions all;
-  for (std::size_t r = 0; r < kFigureReadings; ++r) all.readings[r].polarity = r / kFigureThresholds.size();
   const core::ClipInfo info = source.info();
   const auto label = [&](int t, const cv::Mat& frame) {
     return label_frame(figure_level(frame, info, ground.view), static_cast<std::size_t>(t), ground);
   };
   core::stream_frames(source, "figures", info.frames, context, label, [&](int, FrameLabels frame) {
     all.labels.emplace_back(kept_image(frame.labels, context.memory(), all.blocks));
-    for (std::size_t r = 0; r < kFigureReadings; ++r) {
-      FigureReading& reading = all.readings[r];
-      for (std::size_t& index : frame.readings[r].of_component)
-        if (index != kNoRegion) index += reading.regions.size();
-      reading.of_component.push_back(std::move(frame.readings[r].of_component));
-      std::ranges::move(frame.readings[r].regions, std::back_inserter(reading.regions));
+    for (std::size_t p = 0; p < all.of.size(); ++p) {
+      FrameRegions& found = frame.of[p];
+      for (std::size_t& index : found.of_component)
+        if (index != kNoRegion) index += all.of[p].regions.size();
+      all.of[p].of_component.push_back(std::move(found.of_component));
+      std::ranges::move(found.regions, std::back_inserter(all.of[p].regions));
     }
   });
   return all;
 }
 
-cv::Mat1i region_numbers(const FigureRegions& all, std::size_t reading, std::size_t frame) {
+cv::Mat1i region_numbers(const FigureRegions& all, std::size_t polarity, std::size_t frame) {
   cv::Mat1i numbers;
-  cv::connectedComponents(cv::Mat((all.labels[frame] & (1 << reading)) != 0), numbers, kConnectivity, CV_32S);
-  const FigureReading& of = all.readings[reading];
+  cv::connectedComponents(cv::Mat((all.labels[frame] & label_bit(polarity, 0)) != 0), numbers, kConnectivity,
+                          CV_32S);
+  const PolarityRegions& of = all.of[polarity];
   std::vector<int> number_of{0};
   for (const std::size_t index : of.of_component[frame])
     number_of.push_back(index == kNoRegion || of.regions[index].is_removed ? 0 : static_cast<int>(index) + 1);

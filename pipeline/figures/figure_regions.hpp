@@ -29,7 +29,7 @@ struct FigureRegion {
   /// Sums of squares, (grey levels)², that a plane and that two levels leave within 8 px of the region, with
   /// a sharp edge between those and with a soft one.
   double plane = 0, sharp = 0, soft = 0;
-  double thickness = 0;  ///< diameter of the largest disc inside; at threshold 0 alone, as `wide`
+  double thickness = 0;  ///< diameter of the largest disc inside
   int wide = 0;          ///< pixels that discs of kWideDisc inside cover
   bool is_figure = false;
   bool is_removed = false;
@@ -42,9 +42,8 @@ struct FigureRegion {
   [[nodiscard]] double sharp_gain() const { return 0.5 * std::log(plane / sharp); }
 };
 
-/// The regions of all frames for one polarity and one threshold of the amplitude.
-struct FigureReading {
-  std::size_t polarity = 0;  ///< index of kFigurePolarities
+/// The regions of one polarity, of all frames.
+struct PolarityRegions {
   std::vector<FigureRegion> regions;
   /// By frame, the region of each connected component of its labels, less 1; kNoRegion for small ones.
   std::vector<std::vector<std::size_t>> of_component;
@@ -53,19 +52,18 @@ inline constexpr std::size_t kNoRegion = ~std::size_t{0};
 
 inline constexpr double kWideDisc = 6;  ///< px, a diameter: what no such disc fits into is a line
 
-/// Thresholds of the amplitude. A change that is seen at all of them is sure.
+/// Thresholds of the amplitude. Regions are those of the first; the others tell how sure a change is.
 inline constexpr std::array<double, 3> kFigureThresholds = {0, -0.2, 0.2};
-inline constexpr std::size_t kFigureReadings = kFigurePolarities.size() * kFigureThresholds.size();
-/// Returns the reading of a polarity and a threshold, given as indices.
-constexpr std::size_t reading_index(std::size_t polarity, std::size_t threshold) {
-  return polarity * kFigureThresholds.size() + threshold;
+/// Returns the bit of FigureRegions::labels of a polarity and a threshold, given as indices.
+constexpr int label_bit(std::size_t polarity, std::size_t threshold) {
+  return 1 << (polarity * kFigureThresholds.size() + threshold);
 }
 
-/// Holds a clip's regions for each polarity (its thresholds one after the other).
+/// Holds a clip's regions.
 struct FigureRegions {
-  std::vector<cv::Mat1b> labels;  ///< by frame; bit r: inside a region of reading r
-  std::array<FigureReading, kFigureReadings> readings;
-  ImageBlocks blocks;  ///< that labels lie in
+  std::vector<cv::Mat1b> labels;  ///< by frame: the thresholds that the amplitudes exceed, as label_bit
+  std::array<PolarityRegions, kFigurePolarities.size()> of;  ///< by polarity
+  ImageBlocks blocks;                                        ///< that labels lie in
 };
 
 /// Returns the pixels of a frame further than 2 px from the border of frame and mask: 0 or 1.
@@ -76,7 +74,7 @@ FigureRegions find_figure_regions(core::FrameSource& source, const FigureGround&
                                   const core::Context& context);
 
 /// Returns the region of each pixel of a frame, plus 1; 0: none, or a removed one.
-cv::Mat1i region_numbers(const FigureRegions& all, std::size_t reading, std::size_t frame);
+cv::Mat1i region_numbers(const FigureRegions& all, std::size_t polarity, std::size_t frame);
 
 /// Links the regions of neighbouring frames that overlap where motion takes them, removes those that do not
 /// explain the frames, and says which are figures (find_families). `lines`: the clip's sketch.

@@ -23,11 +23,11 @@ constexpr double kOnOutline = 4;  // px
 /// Returns the strokes' changes, each with the probability and place of the change of regions that it is.
 std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector<FigureEvent>& weighed,
                                     const FigureView& view) {
-  using Region = std::pair<std::size_t, std::size_t>;  // reading and index
+  using Region = std::pair<std::size_t, std::size_t>;  // polarity and index
   std::map<Region, graph::SubgraphId> stroke_of;
   for (std::size_t t = 0; t < drawn.region_of.size(); ++t)
     for (std::size_t v = 0; v < drawn.region_of[t].size(); ++v)
-      stroke_of[{drawn.reading_of[t][v], drawn.region_of[t][v]}] =
+      stroke_of[{drawn.polarity_of[t][v], drawn.region_of[t][v]}] =
           drawn.motion.sketch.frames[t].vertices()[v].subgraph;
   std::multimap<std::size_t, const FigureEvent*> of_frame;
   for (const FigureEvent& event : weighed) of_frame.emplace(event.change.frame, &event);
@@ -46,7 +46,8 @@ std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector
     for (auto it = first; it != last; ++it) {
       const FigureEvent& is = *it->second;
       if (family(is.change.type) != family(event.type) || is.probability <= event.probability ||
-          !names({is.reading, is.change.whole}) || !names({is.reading, is.change.part}) || told.contains(&is))
+          !names({is.polarity, is.change.whole}) || !names({is.polarity, is.change.part}) ||
+          told.contains(&is))
         continue;
       event.probability = is.probability;
       event.position = view.in_frame(is.change.at.x, is.change.at.y);

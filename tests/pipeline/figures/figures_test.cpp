@@ -12,6 +12,7 @@
 
 #include "core/clip/masked_source.hpp"
 #include "core/parallel.hpp"
+#include "pipeline/figures/figure_changes.hpp"
 #include "pipeline/figures/figure_ground.hpp"
 #include "pipeline/figures/figure_regions.hpp"
 #include "pipeline/sketch_clip.hpp"
@@ -156,6 +157,40 @@ TEST_CASE("a disc that goes from one figure to another at once is a separation a
   CHECK(separates(events[0].type) != separates(events[1].type));
 }
 
+TEST_CASE("a separation is as sure as thresholds see it at its place, joined elsewhere or not") {
+  const auto clip = film([](Point p, int t) {
+    const double neck =
+        t < 20 ? std::min(reached(20 - std::abs(p.x - 80), 1.5), reached(6 - std::abs(p.y - 70), 1.5)) : 0;
+    return levels(std::max({disc(p, {45, 70}, 20), disc(p, {115, 70}, 20), neck}), true);
+  });
+  core::ClipSource source(clip);
+  const auto lines = pipeline::sketch_clip(source, pipeline::kFollowedSketch, {}).sketch;
+  const auto ground = pipeline::measure_figure_ground(source, {});
+  auto all = pipeline::find_figure_regions(source, ground, {});
+  pipeline::link_figure_regions(all, ground, lines, {});
+  const auto probability = [&] {
+    const auto changes = pipeline::weigh_figure_changes(all, ground, {});
+    REQUIRE(changes.size() == 1);
+    CHECK(changes[0].change.type == EventType::split);
+    CHECK(changes[0].change.frame == 20);
+    return changes[0].probability;
+  };
+  const auto paint = [&](cv::Rect where, int from) {  // above −.2
+    for (int t = from; t < kFrames; ++t)
+      for (int y = where.y; y < where.br().y; ++y)
+        for (int x = where.x; x < where.br().x; ++x)
+          all.labels[static_cast<std::size_t>(t)](y, x) |=
+              static_cast<std::uint8_t>(pipeline::label_bit(1, 1));
+  };
+  CHECK(probability() == 1);
+  paint({40, 10, 80, 5}, 0), paint({40, 10, 5, 60}, 0), paint({115, 10, 5, 60}, 0);  // round above
+  CHECK(probability() == 1);
+  paint({50, 64, 60, 12}, 23);  // apart for three frames
+  CHECK(probability() == 1);
+  paint({50, 64, 60, 12}, 20);
+  CHECK(probability() == Approx(2 / 3.));
+}
+
 TEST_CASE("a clip played backwards parts where it unites") {
   const auto clip = film(approaching(true));
   const auto there = believed(figures_of(clip)), back = believed(figures_of(backwards(clip)));
@@ -238,7 +273,7 @@ TEST_CASE("edges that are soft explain a figure as sharp ones do") {
   core::ClipSource source(clip);
   const auto ground = pipeline::measure_figure_ground(source, {});
   const auto all = pipeline::find_figure_regions(source, ground, {});
-  const auto& bright = all.readings[pipeline::reading_index(1, 0)].regions;
+  const auto& bright = all.of[1].regions;
   REQUIRE(bright.size() == kFrames);
   for (const auto& region : bright) {
     CHECK(region.gain() > 1.7);
