@@ -159,9 +159,10 @@ TEST_CASE("a disc that goes from one figure to another at once is a separation a
 
 TEST_CASE("a separation is as sure as thresholds see it at its place, joined elsewhere or not") {
   const auto clip = film([](Point p, int t) {
-    const double neck =
-        t < 20 ? std::min(reached(20 - std::abs(p.x - 80), 1.5), reached(6 - std::abs(p.y - 70), 1.5)) : 0;
-    return levels(std::max({disc(p, {45, 70}, 20), disc(p, {115, 70}, 20), neck}), true);
+    const double gap = t < 20 ? 0 : reached(5 - std::abs(p.x - 80), 1.5);
+    return levels(
+        std::min({reached(75 - std::abs(p.x - 80), 1.5), reached(8 - std::abs(p.y - 70), 1.5), 1 - gap}),
+        true);
   });
   core::ClipSource source(clip);
   const auto lines = pipeline::sketch_clip(source, pipeline::kFollowedSketch, {}).sketch;
