@@ -386,6 +386,14 @@ TEST_CASE("An edge of luma and of colour is one edge") {
   sketch::ExtractOptions both;
   both.outlines = both.colour = true;
   CHECK(components(sketch::extract(disc({40, 140, 40}, {40, 30, 230}), both)).count == 1);
+  // A lens that displaces red by two pixels makes no second edge.
+  std::vector<cv::Mat> channels;
+  cv::split(disc({30, 60, 40}, {60, 120, 230}), channels);
+  cv::copyMakeBorder(channels[2].colRange(0, channels[2].cols - 2), channels[2], 0, 0, 2, 0,
+                     cv::BORDER_REPLICATE);
+  cv::Mat displaced;
+  cv::merge(channels, displaced);
+  CHECK(components(sketch::extract(displaced, both)).count == 1);
 }
 
 TEST_CASE("Colour changes nothing in grey frames") {
