@@ -26,7 +26,7 @@ struct Place {
   cv::Point2d at;
 };
 
-/// Returns a place in its frame and in those after it, or before it, as far as it is followed.
+/// Returns a place in its frame and in the next ones, or in the ones before, kNearFrames in all.
 std::vector<Place> followed(Place place, bool forwards, const FigureGround& ground) {
   std::vector<Place> places{place};
   while (places.size() < kNearFrames && (forwards ? place.frame + 1 < ground.frames() : place.frame > 0)) {
@@ -39,6 +39,15 @@ std::vector<Place> followed(Place place, bool forwards, const FigureGround& grou
 }
 
 using Pixels = std::vector<cv::Point>;
+
+cv::Point shifted(const cv::Point& pixel, const cv::Point2d& shift) {
+  return {cvRound(pixel.x + shift.x), cvRound(pixel.y + shift.y)};
+}
+/// Returns the square of pixels within `reach` of a place, as far as it lies in a frame.
+cv::Rect square_about(const cv::Point2d& at, int reach, const cv::Size& frame) {
+  return cv::Rect(cvRound(at.x) - reach, cvRound(at.y) - reach, 2 * reach + 1, 2 * reach + 1) &
+         cv::Rect({0, 0}, frame);
+}
 
 /// Returns the farther half of pixels given with their distances.
 Pixels farther_half(const std::vector<std::pair<double, cv::Point>>& pixels) {
@@ -72,8 +81,9 @@ Contact contact_of(const FigureRegions& all, std::size_t polarity, const FigureC
   contact.apart = followed({part.frame, contact.at}, splits, ground);
   const cv::Mat1i numbers = region_numbers(all, polarity, part.frame);
   std::array<std::vector<std::pair<double, cv::Point>>, 2> sides;
-  for (int y = 0; y < numbers.rows; ++y)
-    for (int x = 0; x < numbers.cols; ++x) {
+  const cv::Rect box = square_about(contact.at, static_cast<int>(contact.reach) + 1, numbers.size());
+  for (int y = box.y; y < box.br().y; ++y)
+    for (int x = box.x; x < box.br().x; ++x) {
       if (numbers(y, x) == 0) continue;
       const double apart = std::hypot(x - contact.at.x, y - contact.at.y);
       const auto region = static_cast<std::size_t>(numbers(y, x) - 1);
@@ -86,10 +96,8 @@ Contact contact_of(const FigureRegions& all, std::size_t polarity, const FigureC
 
 /// Returns whether a path about the contact joins its sides in a frame, through pixels with `bit`.
 bool is_joined(const FigureRegions& all, int bit, const Contact& contact, const Place& place) {
-  const int reach = static_cast<int>(contact.reach) + 2;
   const cv::Rect box =
-      cv::Rect(cvRound(place.at.x) - reach, cvRound(place.at.y) - reach, 2 * reach + 1, 2 * reach + 1) &
-      cv::Rect({0, 0}, all.labels[place.frame].size());
+      square_about(place.at, static_cast<int>(contact.reach) + 2, all.labels[place.frame].size());
   if (box.empty()) return false;
   cv::Mat1i numbers;
   cv::connectedComponents(cv::Mat((all.labels[place.frame](box) & bit) != 0), numbers, 8, CV_32S);
@@ -97,7 +105,7 @@ bool is_joined(const FigureRegions& all, int bit, const Contact& contact, const 
   std::array<std::set<int>, 2> touched;
   for (std::size_t i = 0; i < touched.size(); ++i)
     for (const cv::Point& pixel : contact.sides[i]) {
-      const cv::Point to(cvRound(pixel.x + shift.x), cvRound(pixel.y + shift.y));
+      const cv::Point to = shifted(pixel, shift);
       if (cv::Rect({0, 0}, box.size()).contains(to) && numbers(to) != 0) touched[i].insert(numbers(to));
     }
   return std::ranges::any_of(touched[0], [&](int i) { return touched[1].contains(i); });
@@ -109,7 +117,7 @@ int count_there(const FigureRegions& all, int bit, const Pixels& figure, cv::Poi
   const cv::Mat1b& labels = all.labels[place.frame];
   const cv::Point2d shift = place.at - centre;
   return static_cast<int>(std::ranges::count_if(figure, [&](const cv::Point& pixel) {
-    const cv::Point to(cvRound(pixel.x + shift.x), cvRound(pixel.y + shift.y));
+    const cv::Point to = shifted(pixel, shift);
     return cv::Rect({0, 0}, labels.size()).contains(to) && (labels(to) & bit) != 0;
   }));
 }
