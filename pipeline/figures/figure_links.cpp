@@ -15,7 +15,6 @@ namespace emberfold::pipeline {
 namespace {
 
 constexpr double kLeastShare = 0.15;   // of the smaller region's area that overlaps
-constexpr double kSureShare = 0.5;     // from here on a link is no error of the flow, nor if a disc overlaps
 constexpr double kLeastNats = 0.7;     // a pixel, that two levels explain more than a plane does
 constexpr double kCorrelated = 2;      // px of an outline that are one observation
 constexpr double kChange = 15;         // nats
@@ -31,10 +30,6 @@ struct Overlap {
   bool holds_disc = false;  ///< one of kWideDisc
 };
 using Overlaps = std::map<Link, Overlap>;
-
-double share_of_smaller(const std::vector<FigureRegion>& regions, Link link, const Overlap& overlap) {
-  return overlap.pixels / std::min(regions[link.first].area, regions[link.second].area);
-}
 
 /// Returns what each pixel of a frame's regions moves into in a neighbouring frame (numbers as
 /// region_numbers).
@@ -74,9 +69,11 @@ Overlaps links_between(const FigureRegions& all, std::size_t p, std::size_t t, c
   Overlaps links;
   count_overlap(before, carried_to(before, after, ground.to[t]), true, links);
   count_overlap(after, carried_to(after, before, ground.from[t + 1]), false, links);
+  const std::vector<FigureRegion>& regions = all.of[p].regions;
   std::erase_if(links, [&](const auto& item) {
-    return !item.second.holds_disc &&
-           share_of_smaller(all.of[p].regions, item.first, item.second) < kLeastShare;
+    const auto& [link, overlap] = item;
+    return !overlap.holds_disc &&
+           overlap.pixels < kLeastShare * std::min(regions[link.first].area, regions[link.second].area);
   });
   return links;
 }
@@ -97,8 +94,7 @@ class LinkedRegions {
     for (const auto& [link, overlap] : links) {
       regions_[link.first].next.push_back(link.second);
       regions_[link.second].before.push_back(link.first);
-      if (!overlap.holds_disc && share_of_smaller(regions_, link, overlap) < kSureShare)
-        weakest.emplace_back(overlap.pixels, link);
+      if (!overlap.holds_disc) weakest.emplace_back(overlap.pixels, link);
     }
     std::ranges::sort(weakest);
     for (const auto& [pixels, link] : weakest)
