@@ -40,7 +40,7 @@ struct Spread {
 /// A straight structure through the frame's middle, never twice the same to the pixel grid.
 struct Straight {
   Point origin;
-  double theta;
+  double theta = 0;
   [[nodiscard]] Point along() const { return unit(theta); }
   [[nodiscard]] double across(Point p) const {
     return graph::dot(p - origin, unit(theta + std::numbers::pi / 2));
