@@ -389,8 +389,8 @@ TEST_CASE("An edge of luma and of colour is one edge") {
   // A lens that displaces red by two pixels makes no second edge.
   std::vector<cv::Mat> channels;
   cv::split(disc({30, 60, 40}, {60, 120, 230}), channels);
-  cv::copyMakeBorder(channels[2].colRange(0, channels[2].cols - 2), channels[2], 0, 0, 2, 0,
-                     cv::BORDER_REPLICATE);
+  const cv::Mat1f red = channels[2].clone();  // copyMakeBorder must not write into its source
+  cv::copyMakeBorder(red.colRange(0, red.cols - 2), channels[2], 0, 0, 2, 0, cv::BORDER_REPLICATE);
   cv::Mat displaced;
   cv::merge(channels, displaced);
   CHECK(components(sketch::extract(displaced, both)).count == 1);
