@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kFills = {ModelFill::footage, ModelFill::carried, ModelFill::strokes,
-                               ModelFill::diffusion};
+constexpr std::array kMethods = {SynthesisMethod::footage, SynthesisMethod::edit, SynthesisMethod::strokes,
+                                 SynthesisMethod::diffusion, SynthesisMethod::texture};
 
 bool never_changes(const mcmc::OperatorRates& rates) {
   const auto zero = [](double rate) { return rate == 0; };
@@ -69,15 +69,16 @@ ClipModel clip_model(const core::ModelArchive& archive) {
   return model;
 }
 
-std::string_view name(ModelFill fill) {
-  if (fill == ModelFill::footage) return "footage";
-  if (fill == ModelFill::carried) return "carried";
-  return fill == ModelFill::strokes ? "strokes" : "diffusion";
+std::string_view name(SynthesisMethod method) {
+  if (method == SynthesisMethod::footage) return "footage";
+  if (method == SynthesisMethod::edit) return "edit";
+  if (method == SynthesisMethod::strokes) return "strokes";
+  return method == SynthesisMethod::diffusion ? "diffusion" : "texture";
 }
 
-std::optional<ModelFill> model_fill(std::string_view text) {
-  const auto* const found = std::ranges::find(kFills, text, [](ModelFill fill) { return name(fill); });
-  return found == kFills.end() ? std::nullopt : std::optional(*found);
+std::optional<SynthesisMethod> synthesis_method(std::string_view text) {
+  const auto* const found = std::ranges::find(kMethods, text, [](SynthesisMethod one) { return name(one); });
+  return found == kMethods.end() ? std::nullopt : std::optional(*found);
 }
 
 std::string why_undrawable(const mcmc::MotionModel& model) {
@@ -87,15 +88,15 @@ std::string why_undrawable(const mcmc::MotionModel& model) {
   return {};
 }
 
-ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fill) {
+ClipModel read_clip_model(const std::string& folder, std::optional<SynthesisMethod> method) {
   const auto archive = io::read_model(folder, io::kMotionFormat);
   ClipModel model;
   try {
     model = strokes_and_background(archive);
-    if (fill != ModelFill::diffusion) {
-      const bool with_strokes = fill == ModelFill::carried || fill == ModelFill::strokes;
+    if (method != SynthesisMethod::diffusion) {
+      const bool with_strokes = method == SynthesisMethod::edit || method == SynthesisMethod::strokes;
       model.footage = footage_of(archive, model, with_strokes);
-      if (fill && !model.footage)
+      if (method && !model.footage)
         throw core::IoError("holds no frames of its clip; 'emberfold analyze' keeps them");
       if (with_strokes && model.footage->strokes.sketch.frames.empty())
         throw core::IoError("holds no strokes of its clip's frames; 'emberfold analyze' keeps them");

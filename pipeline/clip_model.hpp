@@ -48,7 +48,7 @@ struct ClipModel {
   mcmc::MotionModel motion;
   sketch::Background background;  ///< static pixels between the strokes, and the range of levels
   sketch::Sharpening sharpening;
-  std::optional<Footage> footage = {};            ///< for ModelFill::footage, carried and strokes
+  std::optional<Footage> footage = {};            ///< for every SynthesisMethod but diffusion
   std::optional<RateCorrection> correction = {};  ///< applied when strokes are first drawn
 };
 
@@ -62,29 +62,29 @@ ClipModel clip_model(const core::ModelArchive& archive);
 /// Returns why no clip can be drawn from a model (no exemplars, all rates 0); empty if one can.
 std::string why_undrawable(const mcmc::MotionModel& model);
 
-/// Source of a new clip: the clip's own frames, or strokes and a fill between them.
-enum class ModelFill {
-  footage,   ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
-  carried,   ///< frames of the clip; where their strokes are edited, pixels are transferred
-  strokes,   ///< strokes of the clip that live again at other times, what lies between them by a linear
-             ///< texture
-  diffusion  ///< levels diffused from the strokes and the still background
+/// The way a new clip is made: of the clip's own frames, of strokes, or of a texture.
+enum class SynthesisMethod {
+  footage,    ///< frames of the clip, played in a new order and composed anew; no stroke is drawn
+  edit,       ///< frames of the clip; where their strokes are edited, pixels are transferred
+  strokes,    ///< strokes of the clip that live again at other times, on the frame that is played
+  diffusion,  ///< strokes of the motion model; levels diffuse from them and the still background
+  texture     ///< a linear dynamic texture of the clip's frames; no stroke is drawn
 };
-std::string_view name(ModelFill fill);
+std::string_view name(SynthesisMethod method);
 /// Returns whether whole frames of the clip are shown: footage, edited or not.
-inline bool shows_frames(ModelFill fill) {
-  return fill == ModelFill::footage || fill == ModelFill::carried;
+inline bool shows_frames(SynthesisMethod method) {
+  return method == SynthesisMethod::footage || method == SynthesisMethod::edit;
 }
-/// Returns the fill of that name; nothing for an unknown name.
-std::optional<ModelFill> model_fill(std::string_view name);
+/// Returns the method of that name; nothing for an unknown name.
+std::optional<SynthesisMethod> synthesis_method(std::string_view name);
 
-/// Reads a model from its folder, with only the parts that `fill` needs; without a fill: its footage, if any.
-/// Throws core::IoError, naming the folder, where it is no such model, of a newer version, cannot be drawn
-/// from (no exemplars, all rates 0), or lacks that part.
-ClipModel read_clip_model(const std::string& folder, std::optional<ModelFill> fill);
+/// Reads a model from its folder, with only the parts that `method` needs; without a method: its footage, if
+/// any. Throws core::IoError, naming the folder, where it is no such model, of a newer version, cannot be
+/// drawn from (no exemplars, all rates 0), or lacks that part.
+ClipModel read_clip_model(const std::string& folder, std::optional<SynthesisMethod> method);
 
-/// Returns whether the model in a folder holds the strokes of its clip's frames, for ModelFill::carried and
-/// strokes.
+/// Returns whether the model in a folder holds the strokes of its clip's frames, for SynthesisMethod::edit
+/// and strokes.
 bool holds_footage_strokes(const std::string& folder);
 
 /// Finds the sharpening at which the mean gradient on the flanks of patches over 60 frames is `wanted`.

@@ -12,27 +12,31 @@
 #include "pipeline/frame_synthesis.hpp"
 #include "pipeline/rate_correction.hpp"
 #include "pipeline/strokes/stroke_synthesis.hpp"
+#include "pipeline/texture/texture_synthesis.hpp"
 #include "sketch/rendering/sharpening.hpp"
 
 namespace emberfold::pipeline {
 
 namespace {
 
-bool is_of_footage(ModelFill fill) {
-  return fill != ModelFill::diffusion;
+bool is_of_footage(SynthesisMethod method) {
+  return method != SynthesisMethod::diffusion;
 }
 
-ModelFill chosen_fill(const ClipModel& model, const ClipSynthesisOptions& options) {
-  return options.fill_kind.value_or(model.footage ? ModelFill::footage : ModelFill::diffusion);
+SynthesisMethod chosen_method(const ClipModel& model, const ClipSynthesisOptions& options) {
+  return options.method.value_or(model.footage ? SynthesisMethod::footage : SynthesisMethod::diffusion);
 }
 
 void check(const ClipModel& model, const ClipSynthesisOptions& options) {
   core::check_range("ClipSynthesisOptions.speed", options.speed, -100, 100);
-  const auto fill = chosen_fill(model, options);
-  if (is_of_footage(fill) && !model.footage) throw core::InputError("the model holds no frames of its clip");
-  if (options.loop && !shows_frames(fill))
-    throw core::InputError("ClipSynthesisOptions.loop is for footage and carried strokes");
-  if (is_of_footage(fill)) return;
+  const auto method = chosen_method(model, options);
+  if (is_of_footage(method) && !model.footage)
+    throw core::InputError("the model holds no frames of its clip");
+  if (options.loop && !shows_frames(method))
+    throw core::InputError("ClipSynthesisOptions.loop is for the methods footage and edit");
+  if (method == SynthesisMethod::texture && (options.edit != mcmc::MotionEdit{} || options.speed != 1))
+    throw core::InputError("ClipSynthesisOptions.edit and speed are not for a texture");
+  if (is_of_footage(method)) return;
   if (options.edit != mcmc::MotionEdit{})
     throw core::InputError("ClipSynthesisOptions.edit is not for drawn strokes: edit their model");
   if (const auto why = why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
@@ -67,13 +71,13 @@ class DrawnStrokes final : public FrameMethod {
   FrameSynthesis frames_;
 };
 
-std::unique_ptr<FrameMethod> begin(const std::shared_ptr<const ClipModel>& model, ModelFill fill,
+std::unique_ptr<FrameMethod> begin(const std::shared_ptr<const ClipModel>& model, SynthesisMethod method,
                                    const ClipSynthesisOptions& options, const core::Context& context) {
-  if (fill == ModelFill::footage)
+  if (method == SynthesisMethod::footage)
     return std::make_unique<FootageSynthesis>(
         decode(*model->footage, context), FootageSynthesisOptions{options.seed, options.speed, options.loop},
         context);
-  if (fill == ModelFill::carried) {
+  if (method == SynthesisMethod::edit) {
     const auto& rates = model->motion.rates;
     return std::make_unique<CarriedSynthesis>(
         decode(*model->footage, context), model->footage->strokes,
@@ -81,14 +85,16 @@ std::unique_ptr<FrameMethod> begin(const std::shared_ptr<const ClipModel>& model
             options.seed, options.edit, {rates.split_gap, rates.disconnect_gap}, options.loop},
         context);
   }
-  if (fill == ModelFill::strokes)
+  if (method == SynthesisMethod::strokes)
     return std::make_unique<StrokeSynthesis>(decode(*model->footage, context), model->footage->strokes,
                                              StrokeSynthesisOptions{options.seed, options.edit}, context);
+  if (method == SynthesisMethod::texture)
+    return std::make_unique<TextureSynthesis>(decode(*model->footage, context), options.seed);
   return std::make_unique<DrawnStrokes>(model, options);
 }
 
-core::ClipInfo info_of(const ClipModel& model, ModelFill fill) {
-  if (is_of_footage(fill)) {
+core::ClipInfo info_of(const ClipModel& model, SynthesisMethod method) {
+  if (is_of_footage(method)) {
     const auto& clip = *model.footage;
     return {clip.size.width, clip.size.height, clip.channels, CV_8U, model.motion.fps, 255, {}};
   }
@@ -102,11 +108,11 @@ ClipSynthesis::ClipSynthesis(ClipModel model, const ClipSynthesisOptions& option
                              const core::Context& context)
     : options_(options), context_(context) {
   check(model, options);
-  fill_kind_ = chosen_fill(model, options);
-  if (!is_of_footage(fill_kind_)) correct_rates(model, context);
-  info_ = info_of(model, fill_kind_);
+  method_ = chosen_method(model, options);
+  if (!is_of_footage(method_)) correct_rates(model, context);
+  info_ = info_of(model, method_);
   model_ = std::make_shared<const ClipModel>(std::move(model));
-  method_ = begin(model_, fill_kind_, options_, context_);
+  frames_ = begin(model_, method_, options_, context_);
 }
 
 ClipSynthesis::~ClipSynthesis() = default;
@@ -115,32 +121,32 @@ ClipSynthesis& ClipSynthesis::operator=(ClipSynthesis&&) noexcept = default;
 
 cv::Mat ClipSynthesis::next() {
   if (ahead_.empty())
-    method_->each(
-        method_->batch(), [&](cv::Mat frame) { ahead_.push_back(std::move(frame)); }, context_);
+    frames_->each(
+        frames_->batch(), [&](cv::Mat frame) { ahead_.push_back(std::move(frame)); }, context_);
   cv::Mat frame = std::move(ahead_.front());
   ahead_.pop_front();
   return frame;
 }
 
 const SynthesisStatistics* ClipSynthesis::statistics() const {
-  return method_->statistics();
+  return frames_->statistics();
 }
 
 graph::MotionGraph ClipSynthesis::motion(int count) const {
-  return method_->motion(count, context_);
+  return frames_->motion(count, context_);
 }
 
 const FootageSynthesis* ClipSynthesis::footage() const {
-  return dynamic_cast<const FootageSynthesis*>(method_.get());
+  return dynamic_cast<const FootageSynthesis*>(frames_.get());
 }
 
 FrameSources ClipSynthesis::sources() const {
-  return method_->sources();
+  return frames_->sources();
 }
 
 void ClipSynthesis::rewind() {
   ahead_.clear();
-  method_ = begin(model_, fill_kind_, options_, context_);
+  frames_ = begin(model_, method_, options_, context_);
 }
 
 void ClipSynthesis::each(int count, const std::function<void(cv::Mat)>& take) {
@@ -149,7 +155,7 @@ void ClipSynthesis::each(int count, const std::function<void(cv::Mat)>& take) {
     ahead_.pop_front();
     take(std::move(frame));
   }
-  method_->each(count, take, context_);
+  frames_->each(count, take, context_);
 }
 
 }  // namespace emberfold::pipeline

@@ -25,11 +25,11 @@ namespace emberfold::pipeline {
 /// Holds the settings of a ClipSynthesis.
 struct ClipSynthesisOptions {
   std::uint64_t seed = 1;
-  std::optional<ModelFill> fill_kind = {};  ///< none: the model's footage, or without one the diffusion
-  mcmc::Start start = mcmc::Start::data;    ///< the clip's own strokes, or the model's stationary law
-  double speed = 1;                         ///< speed of the footage, −100…100, not 0; below 0 backwards
-  mcmc::MotionEdit edit = {};    ///< of ModelFill::carried and strokes; else edit the model (edit_model)
-  std::optional<int> loop = {};  ///< for footage and carried: frames until the clip repeats, ≥ 2
+  std::optional<SynthesisMethod> method = {};  ///< none: the model's footage, or without one the diffusion
+  mcmc::Start start = mcmc::Start::data;       ///< the clip's own strokes, or the model's stationary law
+  double speed = 1;              ///< speed of the footage, −100…100, not 0; below 0 backwards
+  mcmc::MotionEdit edit = {};    ///< of SynthesisMethod::edit and strokes; else edit the model (edit_model)
+  std::optional<int> loop = {};  ///< for footage and edit: frames until the clip repeats, ≥ 2
 };
 
 /// Holds statistics of a clip drawn from a model.
@@ -57,7 +57,7 @@ class FrameMethod;
 class ClipSynthesis final : public core::FrameSource {
  public:
   /// Keeps a copy of the model; where strokes are drawn from it, a pending correction of its rates comes
-  /// first (correct_rates). Throws core::InputError where it lacks the part that options.fill_kind needs;
+  /// first (correct_rates). Throws core::InputError where it lacks the part that options.method needs;
   /// core::Cancelled.
   explicit ClipSynthesis(ClipModel model, const ClipSynthesisOptions& options = {},
                          const core::Context& context = {});
@@ -73,27 +73,28 @@ class ClipSynthesis final : public core::FrameSource {
   /// Draws the next `count` frames on several threads and hands them to `take`.
   /// They are handed over in order and one at a time, while the next ones are drawn. Throws core::Cancelled.
   void each(int count, const std::function<void(cv::Mat)>& take);
-  /// Returns statistics of the strokes drawn so far, those ahead of next() included; null for a footage.
+  /// Returns statistics of the strokes drawn so far, those ahead of next() included; null for footage and
+  /// texture.
   [[nodiscard]] const SynthesisStatistics* statistics() const;
   /// Returns the graphs of the clip's first `count` ≥ 1 frames with their links. Throws core::InputError for
-  /// a clip of footage, which draws no strokes; core::Cancelled.
+  /// footage and texture, which draw no strokes; core::Cancelled.
   [[nodiscard]] graph::MotionGraph motion(int count) const;
-  /// Returns the synthesis of the footage; null where strokes are drawn.
+  /// Returns the synthesis of the footage; null for other methods.
   [[nodiscard]] const FootageSynthesis* footage() const;
   /// Returns the sources in the clip of a frame's pixels.
-  /// To be called while each() hands the frame over, and not after next(). Throws core::InputError where
-  /// strokes are drawn.
+  /// To be called while each() hands the frame over, and not after next(). Throws core::InputError unless
+  /// frames of the clip are shown (shows_frames).
   [[nodiscard]] FrameSources sources() const;
-  /// Returns the source of the clip.
-  [[nodiscard]] ModelFill fill_kind() const { return fill_kind_; }
+  /// Returns how frames are made.
+  [[nodiscard]] SynthesisMethod method() const { return method_; }
 
  private:
   std::shared_ptr<const ClipModel> model_;
   ClipSynthesisOptions options_;
   core::Context context_;
   core::ClipInfo info_;
-  ModelFill fill_kind_ = ModelFill::diffusion;
-  std::unique_ptr<FrameMethod> method_;
+  SynthesisMethod method_ = SynthesisMethod::diffusion;
+  std::unique_ptr<FrameMethod> frames_;
   std::deque<cv::Mat> ahead_;
 };
 

@@ -26,7 +26,7 @@ class FrameMethod {
   /// Returns statistics of the strokes of the frames so far; null where none are drawn.
   [[nodiscard]] virtual const SynthesisStatistics* statistics() const { return nullptr; }
   /// Returns the sources in the clip of a frame's pixels; to be called while each() hands the frame over.
-  /// Throws core::InputError where strokes are drawn.
+  /// Throws core::InputError unless frames of the clip are shown.
   [[nodiscard]] virtual FrameSources sources() const = 0;
   /// Returns the graphs of the first `count` ≥ 1 frames with their links. Throws core::InputError where no
   /// strokes are drawn; core::Cancelled.

@@ -55,13 +55,13 @@ struct DemoEdit {
 
 std::vector<DemoEdit> demo_edits(std::uint64_t seed) {
   const auto rates = [&](std::initializer_list<graph::EventType> types, double factor) {
-    pipeline::ClipSynthesisOptions options{.seed = seed, .fill_kind = pipeline::ModelFill::carried};
+    pipeline::ClipSynthesisOptions options{.seed = seed, .method = pipeline::SynthesisMethod::edit};
     for (const auto type : types) options.edit.rates[static_cast<std::size_t>(type)] = factor;
     return options;
   };
   const auto played = [&](double speed) {
     return pipeline::ClipSynthesisOptions{
-        .seed = seed, .fill_kind = pipeline::ModelFill::footage, .speed = speed};
+        .seed = seed, .method = pipeline::SynthesisMethod::footage, .speed = speed};
   };
   auto wind = rates({}, 1);
   wind.edit.wind = {1.5, 0};
@@ -75,7 +75,8 @@ std::vector<DemoEdit> demo_edits(std::uint64_t seed) {
 
 /// Writes new, edited clips of the model, with the clip's length.
 void write_edits(int frames, io::OutputFolder& output, Session& session) {
-  const auto model = pipeline::read_clip_model(output.staged("model").string(), pipeline::ModelFill::carried);
+  const auto model =
+      pipeline::read_clip_model(output.staged("model").string(), pipeline::SynthesisMethod::edit);
   for (const auto& [file, name, options] : demo_edits(session.common.seed)) {
     pipeline::ClipSynthesis synthesis(model, options, session.context);
     io::write_video(output.staged(file), synthesis, frames, session.context);

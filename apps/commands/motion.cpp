@@ -50,16 +50,17 @@ pipeline::ClipModel read_drawable_model(const std::string& folder) {
 
 Json model_json(const pipeline::ClipModel& model) {
   const auto& motion = model.motion;
-  Json fills = {"diffusion"};
-  if (model.footage) fills.push_back("footage");
+  Json methods = {"diffusion"};
+  if (model.footage)
+    for (const char* of_frames : {"footage", "texture"}) methods.push_back(of_frames);
   if (model.footage && !model.footage->strokes.sketch.frames.empty())
-    for (const char* own : {"carried", "strokes"}) fills.push_back(own);
+    for (const char* own : {"edit", "strokes"}) methods.push_back(own);
   Json out = {{"width", motion.width},
               {"height", motion.height},
               {"fps", motion.fps},
               {"learned_from_frames", motion.frames},
               {"parameters", pipeline::parameter_count(motion)},
-              {"fills", std::move(fills)},
+              {"methods", std::move(methods)},
               {"rates_are_corrected", !model.correction.has_value()}};
   out.update(motion_model_figures(motion));
   return out;
@@ -80,7 +81,7 @@ std::string model_table(const Json& model) {
   row("frames") << model["width"] << " x " << model["height"] << ", " << model["fps"] << " a second";
   row("learned from") << model["learned_from_frames"] << " frames";
   row("parameters") << std::int64_t(model["parameters"].get<double>()) << ", of the strokes";
-  row("drawn as") << words(model["fills"]);
+  row("drawn as") << words(model["methods"]);
   row("strokes") << model["first_strokes"] << " in the first frame, " << model["exemplars"]
                  << " that can be born";
   const auto& rates = model["rates"];

@@ -23,9 +23,9 @@ namespace emberfold::apps {
 
 namespace {
 
-pipeline::ModelFill parse_fill(const std::string& text) {
-  if (const auto fill = pipeline::model_fill(text)) return *fill;
-  throw Misuse("--fill is " + text + "; allowed is one of footage, carried, strokes, diffusion");
+pipeline::SynthesisMethod parse_method(const std::string& text) {
+  if (const auto method = pipeline::synthesis_method(text)) return *method;
+  throw Misuse("--method is " + text + "; allowed is one of footage, edit, strokes, diffusion, texture");
 }
 
 using Json = nlohmann::ordered_json;
@@ -88,8 +88,10 @@ Json shares_json(const SourceMap& sources) {
 /// Says how much of the clip is copied, or why strokes are drawn.
 std::string how_drawn(const SynthRequest& asked, const pipeline::ClipSynthesis& frames) {
   const auto* const footage = frames.footage();
-  const auto copied =
-      footage != nullptr ? std::optional(footage->copied_share()) : frames.statistics()->copied_share;
+  const auto* const strokes = frames.statistics();
+  const auto copied = footage != nullptr   ? std::optional(footage->copied_share())
+                      : strokes != nullptr ? strokes->copied_share
+                                           : std::nullopt;
   std::string text;
   if (copied)
     text =
@@ -108,12 +110,14 @@ Json summarise(const SynthRequest& asked, const mcmc::MotionModel& model,
   edits["start"] = asked.start;
   summary["options"] = {{"synth",
                          {{"frames", asked.frames},
-                          {"fill", pipeline::name(frames.fill_kind())},
+                          {"method", pipeline::name(frames.method())},
                           {"loop", asked.loop ? Json(*asked.loop) : Json(nullptr)},
                           {"alpha", asked.alpha.empty() ? Json(nullptr) : Json(asked.alpha)}}},
                         {"edit", edits}};
-  summary["synthesis"] =
-      frames.footage() ? footage_json(*frames.footage()) : statistics_json(*frames.statistics());
+  const auto* const strokes = frames.statistics();
+  summary["synthesis"] = frames.footage()     ? footage_json(*frames.footage())
+                         : strokes != nullptr ? statistics_json(*strokes)
+                                              : Json::object();
   if (const auto* sources = outputs.sources()) summary["synthesis"]["sources"] = shares_json(*sources);
   summary["files"] = {{asked.output, "the new clip"}};
   if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
@@ -131,17 +135,17 @@ void run_synth(SynthRequest asked, Session& session) {
   require_new({asked.output, asked.overlay, asked.motion, asked.film, asked.explain}, session.common);
   Stages stages;
   stages.begin("read");
-  auto opened = pipeline::read_clip_model(asked.model, asked.fill_kind);
+  auto opened = pipeline::read_clip_model(asked.model, asked.method);
   stages.begin("edit");
   const auto& edit = asked.edit.edit;
   const bool carries =
-      asked.fill_kind == pipeline::ModelFill::carried || asked.fill_kind == pipeline::ModelFill::strokes;
+      asked.method == pipeline::SynthesisMethod::edit || asked.method == pipeline::SynthesisMethod::strokes;
   const bool plays = opened.footage && !carries;  // another speed is a matter of playing, not an edit
   if (!plays && !carries) opened = apply_edits(std::move(opened), asked.edit, session);
   stages.begin("synthesize");
   const pipeline::ClipSynthesisOptions options{
       .seed = session.common.seed,
-      .fill_kind = asked.fill_kind,
+      .method = asked.method,
       .start = asked.first(),
       .speed = !plays         ? 1
                : edit.reverse ? -edit.speed
@@ -165,7 +169,7 @@ void run_synth(SynthRequest asked, Session& session) {
 void add_synthesis(CLI::App& app, CommandLine& line) {
   auto* command = add_command(app, "synth", "Draw a new clip from a motion model", R"(
   emberfold synth out/fire/model -o endless.mp4 --loop 120
-  emberfold synth out/fire/model -o frames --frames 1000 --fill diffusion --motion new_fire.jsonl)");
+  emberfold synth out/fire/model -o frames --frames 1000 --method diffusion --motion new_fire.jsonl)");
   const auto asked = std::make_shared<SynthRequest>();
   command->add_option("MODEL", asked->model, "Read the model from this folder, DIR/model of analyze")
       ->required()
@@ -174,8 +178,8 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   auto* frames = add_number(*command, "--frames", asked->frames, "N", "Draw this many frames");
   command
       ->add_option_function<std::string>(
-          "--fill", [asked](const std::string& text) { asked->fill_kind = parse_fill(text); },
-          "Use footage, carried strokes, strokes at new times, or diffusion")
+          "--method", [asked](const std::string& text) { asked->method = parse_method(text); },
+          "Use footage, edit, strokes (at new times), diffusion or texture")
       ->type_name("KIND")
       ->default_str("footage");
   command->add_option("--loop", asked->loop, "Draw N frames that repeat without a seam")->type_name("N");

@@ -34,33 +34,36 @@ std::string not_carried(const SynthRequest& asked) {
 }
 
 bool is_of_frames(const SynthRequest& asked) {
-  return !asked.fill_kind || pipeline::shows_frames(*asked.fill_kind);
+  return !asked.method || pipeline::shows_frames(*asked.method);
 }
 
 /// Chooses transferred strokes where an option needs strokes, drawn ones where it requires these, and rejects
 /// options that exclude each other.
-void choose_fill(SynthRequest& asked) {
-  using pipeline::ModelFill;
+void choose_method(SynthRequest& asked) {
+  using pipeline::SynthesisMethod;
   const auto option = stroke_option(asked);
-  if (!option.empty() && asked.fill_kind == ModelFill::footage)
-    throw Misuse(option + " is for clips with strokes (--fill carried, strokes or diffusion), not footage");
+  const bool is_texture = asked.method == SynthesisMethod::texture;
+  if (!option.empty() && (asked.method == SynthesisMethod::footage || is_texture))
+    throw Misuse(option + " is for clips with strokes (--method edit, strokes or diffusion), not " +
+                 std::string(name(*asked.method)));
+  if (is_texture && changes(asked.edit)) throw Misuse("--speed and --reverse are not for --method texture");
   const auto why = not_carried(asked);
-  if (asked.fill_kind == ModelFill::carried && !why.empty())
-    throw Misuse("--fill carried keeps the clip's own strokes; " + why + " needs drawn ones");
+  if (asked.method == SynthesisMethod::edit && !why.empty())
+    throw Misuse("--method edit keeps the clip's own strokes; " + why + " needs drawn ones");
   const auto not_again = asked.start != "data" ? "--start" : pipeline::edit_not_repeated(asked.edit.edit);
-  if (asked.fill_kind == ModelFill::strokes && !not_again.empty())
-    throw Misuse("--fill strokes shows strokes as they lived in the clip; " + not_again +
-                 " needs another --fill");
-  if (!option.empty() && !asked.fill_kind) {
+  if (asked.method == SynthesisMethod::strokes && !not_again.empty())
+    throw Misuse("--method strokes shows strokes as they lived in the clip; " + not_again +
+                 " needs another --method");
+  if (!option.empty() && !asked.method) {
     if (!why.empty())
       asked.drawn_since = why + " needs drawn strokes";
     else if (!pipeline::holds_footage_strokes(asked.model))
       asked.drawn_since = "strokes are drawn, since the model holds none of its clip's frames";
-    asked.fill_kind = asked.drawn_since.empty() ? ModelFill::carried : ModelFill::diffusion;
+    asked.method = asked.drawn_since.empty() ? SynthesisMethod::edit : SynthesisMethod::diffusion;
   }
   if (asked.loop && !is_of_frames(asked))
-    throw Misuse("--loop is for clips made of footage; " + (option.empty() ? "--fill" : option) +
-                 " draws strokes");
+    throw Misuse("--loop is for --method footage and edit, not " + std::string(name(*asked.method)) +
+                 (asked.drawn_since.empty() ? "" : ": " + asked.drawn_since));
   if (asked.loop && *asked.loop < 2)
     throw Misuse("--loop is " + std::to_string(*asked.loop) + "; allowed is 2 or more");
   if (asked.loop && !asked.asked_frames) asked.frames = *asked.loop;
@@ -80,8 +83,8 @@ void check_pictures(const SynthRequest& asked) {
   if (fs::path(asked.explain).extension() != ".png")
     throw Misuse("--explain is " + asked.explain + "; it writes a .png");
   if (!is_of_frames(asked))
-    throw Misuse("--explain tells where in the clip pixels come from; drawn strokes (--fill " +
-                 std::string(pipeline::name(*asked.fill_kind)) + ") have no such place");
+    throw Misuse("--explain tells where in the clip pixels come from; those of --method " +
+                 std::string(name(*asked.method)) + " have no such place");
 }
 
 }  // namespace
@@ -90,7 +93,7 @@ void check(SynthRequest& asked) {
   if (asked.frames < 1 || asked.frames > 1'000'000)
     throw Misuse("--frames is " + std::to_string(asked.frames) + "; allowed is 1 to 1000000");
   check(asked.edit);
-  choose_fill(asked);
+  choose_method(asked);
   check_pictures(asked);
 }
 

@@ -15,7 +15,7 @@ namespace emberfold::apps {
 /// Request of `emberfold synth`.
 struct SynthRequest {
   std::string model, output, overlay, motion, film, explain, alpha;
-  std::optional<pipeline::ModelFill> fill_kind;
+  std::optional<pipeline::SynthesisMethod> method;
   int frames = 300;
   std::optional<int> loop, width, height;
   bool asked_frames = false;
@@ -28,7 +28,7 @@ struct SynthRequest {
   }
 };
 
-/// Checks a request and chooses the source of its clip. Throws Misuse that names the option.
+/// Checks a request and chooses the method of its clip. Throws Misuse that names the option.
 void check(SynthRequest& asked);
 
 /// Returns the new clip's size: that of the model's frames, unless --width and --height change it. Throws

@@ -98,7 +98,7 @@ CarriedPlay::CarriedPlay(std::shared_ptr<const SeenClip> clip, const mcmc::Motio
     : clip_(std::move(clip)), choice_(clip_), edit_(edit), gaps_(gaps), seed_(seed), loop_(loop) {
   edit.validate();
   if (const auto what = edit_not_carried(edit); !what.empty())
-    throw core::InputError("strokes of footage cannot be carried with another " + what);
+    throw core::InputError("the method edit cannot show another " + what);
   moves_ = moving_pixels(clip_->frames());
   if (edit.strokes == mcmc::StrokeChoice::all) return;
   std::vector<double> widths;

@@ -31,14 +31,14 @@ py::array synthesize(const HeldModel& given, int frames, const py::object& progr
   if (frames < 1 || frames > 1'000'000)
     throw py::value_error("frames is " + std::to_string(frames) + "; allowed is 1 to 1000000");
   auto how = py::type::of<pipeline::ClipSynthesisOptions>()(**options).cast<pipeline::ClipSynthesisOptions>();
-  if (!how.fill_kind && given.is_changed()) how.fill_kind = pipeline::ModelFill::diffusion;
+  if (!how.method && given.is_changed()) how.method = pipeline::SynthesisMethod::diffusion;
   // A copy, since the model's rates may be changed by another thread meanwhile.
   ClipModel model = static_cast<const ClipModel&>(given);
   mcmc::validate(model.motion);
   if (const auto why = pipeline::why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
-  const auto usual = model.footage ? pipeline::ModelFill::footage : pipeline::ModelFill::diffusion;
-  const auto fill = how.fill_kind.value_or(usual);
-  if (fill == pipeline::ModelFill::diffusion)
+  const auto usual =
+      model.footage ? pipeline::SynthesisMethod::footage : pipeline::SynthesisMethod::diffusion;
+  if (how.method.value_or(usual) == pipeline::SynthesisMethod::diffusion)
     run_interruptibly(progress,
                       [&](const core::Context& context) { pipeline::correct_rates(model, context); });
   const auto info = pipeline::ClipSynthesis(model, how).info();
@@ -109,18 +109,19 @@ void bind_model_options(py::module_& module) {
       .value("all", mcmc::StrokeChoice::all)
       .value("coarse", mcmc::StrokeChoice::coarse)
       .value("fine", mcmc::StrokeChoice::fine);
-  py::enum_<pipeline::ModelFill>(module, "ModelFill", doc("pipeline::ModelFill"))
-      .value("footage", pipeline::ModelFill::footage)
-      .value("carried", pipeline::ModelFill::carried)
-      .value("strokes", pipeline::ModelFill::strokes)
-      .value("diffusion", pipeline::ModelFill::diffusion);
+  py::enum_<pipeline::SynthesisMethod>(module, "SynthesisMethod", doc("pipeline::SynthesisMethod"))
+      .value("footage", pipeline::SynthesisMethod::footage)
+      .value("edit", pipeline::SynthesisMethod::edit)
+      .value("strokes", pipeline::SynthesisMethod::strokes)
+      .value("diffusion", pipeline::SynthesisMethod::diffusion)
+      .value("texture", pipeline::SynthesisMethod::texture);
   py::enum_<mcmc::Start>(module, "Start", doc("mcmc::Start"))
       .value("data", mcmc::Start::data)
       .value("stationary", mcmc::Start::stationary);
   using Options = pipeline::ClipSynthesisOptions;
   OptionsClass<Options>(module, "ClipSynthesisOptions", "pipeline::ClipSynthesisOptions")
       .field("seed", &Options::seed)
-      .field("fill_kind", &Options::fill_kind)
+      .field("method", &Options::method)
       .field("start", &Options::start)
       .field("speed", &Options::speed)
       .field("loop", &Options::loop)
@@ -147,7 +148,7 @@ void bind_uses(py::class_<HeldModel>& model) {
       .def("synthesize", synthesize, py::arg("frames"), py::arg("progress") = py::none(),
            "Draws new frames as an array, uint8, T × H × W or T × H × W × 3. Where the model's numbers were "
            "changed, strokes are drawn, else its footage is played. Other arguments are the fields of "
-           "ClipSynthesisOptions: seed, fill_kind, start, speed, loop, fill.");
+           "ClipSynthesisOptions: seed, method, start, speed, loop.");
 }
 
 void bind_keeping(py::class_<HeldModel>& model) {

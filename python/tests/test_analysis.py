@@ -82,12 +82,13 @@ def test_rates_of_the_model_can_be_changed(run, tmp_path):
     with pytest.raises(ValueError, match="rates.birth has the shape"):
         model.rates.birth = np.zeros((2, 2))
     new = model.synthesize(frames=10, seed=7)
-    assert np.array_equal(new, model.synthesize(frames=10, seed=7, fill_kind="diffusion"))
+    assert np.array_equal(new, model.synthesize(frames=10, seed=7, method="diffusion"))
     assert np.array_equal(new, pickle.loads(pickle.dumps(model)).synthesize(frames=10, seed=7))
     model.write(str(tmp_path / "model"))
     assert np.array_equal(new, ef.ClipModel.read(str(tmp_path / "model")).synthesize(frames=10, seed=7))
     played = copy.copy(run.model).synthesize(frames=10, seed=7)
-    assert np.array_equal(played, run.model.synthesize(frames=10, seed=7, fill_kind="footage")) and not np.array_equal(played, new)
+    assert np.array_equal(played, run.model.synthesize(frames=10, seed=7, method="footage")) and not np.array_equal(played, new)
+    assert run.model.synthesize(frames=10, method="texture").shape == new.shape
     assert new.shape == (10, 96, 128) and np.array_equal(new, model.synthesize(frames=10, seed=7))
 
 

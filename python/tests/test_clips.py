@@ -113,9 +113,9 @@ def test_errors_have_their_classes(tmp_path):
         ef.dytex.learn(ripples(), n=3)
     with pytest.raises(ValueError, match="ExtractOptions.spacing is 'wide'"):
         ef.ExtractOptions(spacing="wide")
-    with pytest.raises(ValueError, match="fill_kind is 'paint'; allowed is footage, carried, strokes, diffusion"):
-        ef.ClipSynthesisOptions(fill_kind="paint")
-    assert ef.ClipSynthesisOptions(fill_kind="strokes").fill_kind.name == "strokes"
+    with pytest.raises(ValueError, match="method is 'paint'; allowed is footage, edit, strokes, diffusion, texture"):
+        ef.ClipSynthesisOptions(method="paint")
+    assert ef.ClipSynthesisOptions(method="strokes").method.name == "strokes"
     with pytest.raises(ValueError, match="LearnOptions.order is 'best'; allowed is given, gavish_donoho, held_out"):
         ef.dytex.learn(ripples(), order="best")
 

@@ -98,7 +98,7 @@ def main():
             run("synth", "run/model", "-o", "footage.avi", "--frames", len(frames))
             drawn = {"footage": read(Path(folder) / "footage.avi")[0]}
             if not whole:
-                run("synth", "run/model", "-o", "strokes.avi", "--frames", len(frames), "--fill", "diffusion")
+                run("synth", "run/model", "-o", "strokes.avi", "--frames", len(frames), "--method", "diffusion")
                 run("dytex", "learn", "learned.avi", "-o", "texture")
                 run("dytex", "synth", "texture", "-o", "texture.avi", "--frames", len(frames))
                 drawn |= {name: read(Path(folder) / f"{name}.avi")[0] for name in ("texture", "strokes")}

@@ -55,7 +55,7 @@ TEST_CASE("strokes are drawn of corrected rates, whoever asks", "[heavy]") {
   const auto waiting = waiting_model();
   auto corrected = waiting;
   correct_rates(corrected);
-  const pipeline::ClipSynthesisOptions options{.seed = 3, .fill_kind = pipeline::ModelFill::diffusion};
+  const pipeline::ClipSynthesisOptions options{.seed = 3, .method = pipeline::SynthesisMethod::diffusion};
   pipeline::ClipSynthesis a(waiting, options), b(corrected, options);
   for (int t = 0; t < 4; ++t) CHECK(same_pixels(a.next(), b.next()));
 }

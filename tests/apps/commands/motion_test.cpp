@@ -67,7 +67,7 @@ TEST_CASE("a clip drawn of an edited model is that of synth with the same edits"
                                  {"--set", "synth.splits=3", "--set", "synth.deaths=0.5"},
                                  {"--splits", "3", "--deaths", "0.5"}},
                                 {{"--reverse", "--speed", "2"}, {}, {}}};
-  const auto plain = made.draw(made.model, "plain", {"--fill", "diffusion"});
+  const auto plain = made.draw(made.model, "plain", {"--method", "diffusion"});
   int number = 0;
   for (const auto& one : cases) {
     const auto name = "edited" + std::to_string(number++);
@@ -76,14 +76,14 @@ TEST_CASE("a clip drawn of an edited model is that of synth with the same edits"
                                          join(one.edits, one.of_edit)));
     INFO(edited.err);
     REQUIRE(edited.exit == 0);
-    const auto wanted =
-        made.draw(made.model, name + "_synth", join({"--fill", "diffusion"}, join(one.edits, one.of_synth)));
-    CHECK(made.draw(folder, name + "_drawn", {"--fill", "diffusion"}) == wanted);
+    const auto wanted = made.draw(made.model, name + "_synth",
+                                  join({"--method", "diffusion"}, join(one.edits, one.of_synth)));
+    CHECK(made.draw(folder, name + "_drawn", {"--method", "diffusion"}) == wanted);
     CHECK(wanted != plain);
     CHECK_FALSE(pipeline::clip_model(io::read_model(folder, io::kMotionFormat)).footage);
   }
   CHECK(made.draw((made.temp / "edited0").string(), "unasked", {}) ==
-        made.draw((made.temp / "edited0").string(), "asked", {"--fill", "diffusion"}));
+        made.draw((made.temp / "edited0").string(), "asked", {"--method", "diffusion"}));
 }
 
 TEST_CASE("motion info tells how many parameters a model has") {
@@ -92,7 +92,7 @@ TEST_CASE("motion info tells how many parameters a model has") {
   const auto model = mcmc::motion_model(io::read_model(made.model, io::kMotionFormat));
   CHECK(told["parameters"] == pipeline::parameter_count(model));
   CHECK(told["width"] == 160);
-  CHECK(told["fills"] == Json({"diffusion", "footage", "carried", "strokes"}));
+  CHECK(told["methods"] == Json({"diffusion", "footage", "texture", "edit", "strokes"}));
   const auto table = run_command({"motion", "info", made.model}).out;
   CHECK(contains(
       table, "parameters            " + std::to_string(static_cast<long>(pipeline::parameter_count(model)))));

@@ -148,7 +148,7 @@ TEST_CASE("the model of a run that is drawn from stays as it is, and its correct
   ::setenv("XDG_CACHE_HOME", (temp / "cache").c_str(), 1);
   const auto draw = [&](const char* out) {
     return run_command(
-        {"synth", model.string(), "-o", (temp / out).string(), "--frames", "4", "--fill", "diffusion"});
+        {"synth", model.string(), "-o", (temp / out).string(), "--frames", "4", "--method", "diffusion"});
   };
   const auto first = draw("a"), second = draw("b");
   ::unsetenv("XDG_CACHE_HOME");  // NOLINT(concurrency-mt-unsafe): likewise

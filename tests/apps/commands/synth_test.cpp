@@ -94,7 +94,7 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
              motion_file = made.temp / "new.jsonl", overlay = made.temp / "over.mp4";
   const auto result =
       run_command({"synth", made.model, "-o", avi.string(), "--frames", "40", "--seed", "5", "--json",
-                   "--fill", "diffusion", "--motion", motion_file.string(), "--overlay", overlay.string()});
+                   "--method", "diffusion", "--motion", motion_file.string(), "--overlay", overlay.string()});
   INFO(result.err);
   REQUIRE(result.exit == 0);
   std::ifstream stream(motion_file);
@@ -130,7 +130,7 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
 
   for (const auto& path : {folder, mp4})
     REQUIRE(run_command({"synth", made.model, "-o", path.string(), "--frames", "40", "--seed", "5", "-q",
-                         "--fill", "diffusion"})
+                         "--method", "diffusion"})
                 .exit == 0);
   const auto pictures = read_clip(folder), video = read_clip(mp4);
   REQUIRE(pictures.frames.size() == 40);
@@ -141,9 +141,9 @@ TEST_CASE("synth draws the frames of the model's graphs, in every form") {
 TEST_CASE("a grey clip's model draws grey frames") {
   const LearnedClip made(12, false);
   const auto out = made.temp / "new.avi";
-  for (const char* fill : {"footage", "diffusion"}) {
+  for (const char* method : {"footage", "diffusion"}) {
     REQUIRE(run_command({"synth", made.model, "-o", out.string(), "--frames", "3", "-q", "--overwrite",
-                         "--fill", fill})
+                         "--method", method})
                 .exit == 0);
     CHECK(read_clip(out).info.channels == 1);
   }
@@ -173,9 +173,9 @@ TEST_CASE("models and new clips are the same bytes at any number of threads, and
     CHECK(one == bytes_of(made.temp / "2" / name));
     CHECK(one == bytes_of(made.temp / "8" / name));
   }
-  for (const auto& [fill, same] : {std::pair("footage", "footage.avi"), std::pair("carried", "new.avi")}) {
+  for (const auto& [method, same] : {std::pair("footage", "footage.avi"), std::pair("edit", "new.avi")}) {
     REQUIRE(run_command({"synth", made.model, "-o", (made.temp / "other.avi").string(), "--frames", "50",
-                         "--seed", "2", "-q", "--overwrite", "--fill", fill})
+                         "--seed", "2", "-q", "--overwrite", "--method", method})
                 .exit == 0);
     CHECK(bytes_of(made.temp / "other.avi") != bytes_of(made.temp / "1" / same));
   }
@@ -238,16 +238,17 @@ TEST_CASE("synth tells misuse in the option's name and leaves nothing behind whe
   refused(2, {"-o", out.string(), "--frames", "0"}, {"--frames", "0"});
   refused(2, {"-o", out.string(), "--frames", "-3"}, {"--frames", "-3"});
   refused(2, {"-o", out.string(), "--frames", "many"}, {"--frames", "many"});
-  refused(2, {"-o", out.string(), "--fill", "paint"}, {"--fill", "paint", "carried, strokes, diffusion"});
+  refused(2, {"-o", out.string(), "--method", "paint"},
+          {"--method", "paint", "edit, strokes, diffusion, texture"});
   refused(2, {"-o", out.string(), "--set", "synth.births=11"}, {"synth.births", "11"});
   refused(2, {"-o", (made.temp / "new.gif").string()}, {".gif"});
   refused(1, {"-o", (made.temp / "no/where.avi").string()}, {"no folder"});
   refused(1, {"-o", out.string(), "--motion", (made.temp / "no/where.jsonl").string()}, {"where.jsonl"});
   refused(2, {"-o", out.string(), "--film", (made.temp / "film.gif").string(), "--frames", "2"}, {".gif"});
-  refused(
-      2,
-      {"-o", out.string(), "--film", (made.temp / "film.avi").string(), "--loop", "9", "--fill", "diffusion"},
-      {"--loop"});
+  refused(2,
+          {"-o", out.string(), "--film", (made.temp / "film.avi").string(), "--loop", "9", "--method",
+           "diffusion"},
+          {"--loop"});
   refused(2, {"-o", out.string(), "--overlay", (made.temp / "over.gif").string(), "--frames", "2"}, {".gif"});
   CommandOptions full;
   full.most_file_bytes = 3000;
@@ -285,7 +286,7 @@ TEST_CASE("an interrupted synth leaves what was drawn, whole and of one length")
   // They are those that a shorter clip has.
   const auto shorter = made.temp / "shorter.avi";
   REQUIRE(
-      run_command({"synth", made.model, "-o", shorter.string(), "--frames", "5", "-q", "--fill", "carried"})
+      run_command({"synth", made.model, "-o", shorter.string(), "--frames", "5", "-q", "--method", "edit"})
           .exit == 0);
   const auto five = read_clip(shorter);
   for (std::size_t t = 0; t < std::min<std::size_t>(5, count); ++t)

@@ -27,16 +27,16 @@ TEST_CASE("a model of an older version, which kept textures too, is drawn as one
   const auto read = pipeline::to_archive(pipeline::clip_model(io::read_model(older, io::kMotionFormat)));
   CHECK(read.arrays.contains("footage"));
   CHECK_FALSE(read.arrays.contains("residual_within"));
-  const auto drawn = [&](const std::string& model, const std::string& name, const std::string& fill) {
+  const auto drawn = [&](const std::string& model, const std::string& name, const std::string& method) {
     const auto clip = made.temp / (name + ".avi");
     const auto result =
-        run_command({"synth", model, "-o", clip.string(), "--frames", "3", "-q", "--fill", fill});
+        run_command({"synth", model, "-o", clip.string(), "--frames", "3", "-q", "--method", method});
     INFO(result.err);
     REQUIRE(result.exit == 0);
     return bytes_of(clip);
   };
-  for (const char* fill : {"footage", "diffusion"})
-    CHECK(drawn(older.string(), std::string("older_") + fill, fill) == drawn(made.model, fill, fill));
+  for (const char* method : {"footage", "diffusion"})
+    CHECK(drawn(older.string(), std::string("older_") + method, method) == drawn(made.model, method, method));
 }
 
 TEST_CASE("synth makes a clip of the model's footage unless strokes are asked for") {
@@ -51,7 +51,7 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
     return nlohmann::json::parse(result.out);
   };
   const auto summary = draw("new.avi", {"--frames", "40", "--loop", "20"});
-  CHECK(summary["options"]["synth"]["fill"] == "footage");
+  CHECK(summary["options"]["synth"]["method"] == "footage");
   CHECK(summary["options"]["synth"]["loop"] == 20);
   CHECK(summary["synthesis"]["jump_cost"].get<double>() >= 0);
   CHECK(summary["synthesis"]["plays"].get<int>() >= 1);
@@ -62,18 +62,18 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
   // Strokes of the clip are bright lines on a ground; those of a footage have the clip's levels.
   const auto source = read_clip(made.clip).frames;
   CHECK(std::abs(cv::mean(frames[5])[0] - cv::mean(source[5])[0]) < 5);
-  for (const auto& [fill, more] : std::vector<std::pair<std::string, std::vector<std::string>>>{
-           {"carried", {"--motion", (made.temp / "new.jsonl").string()}},
+  for (const auto& [method, more] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"edit", {"--motion", (made.temp / "new.jsonl").string()}},
            {"diffusion", {"--intensity", "2"}},
            {"diffusion", {"--start", "stationary"}},
-           {"carried", {"--strokes", "coarse"}},
-           {"carried", {"--set", "synth.splits=2", "--speed", "0.5", "--reverse"}},
+           {"edit", {"--strokes", "coarse"}},
+           {"edit", {"--set", "synth.splits=2", "--speed", "0.5", "--reverse"}},
            {"diffusion", {"--set", "synth.splits=0.5"}},
-           {"carried", {"--set", "synth.births=2"}}}) {
+           {"edit", {"--set", "synth.births=2"}}}) {
     auto arguments = more;
     arguments.insert(arguments.end(), {"--frames", "3", "--overwrite"});
-    CHECK(draw("strokes.avi", arguments)["options"]["synth"]["fill"] == fill);
-    arguments = {"synth", made.model, "-o", (made.temp / "no.avi").string(), "--fill", "footage"};
+    CHECK(draw("strokes.avi", arguments)["options"]["synth"]["method"] == method);
+    arguments = {"synth", made.model, "-o", (made.temp / "no.avi").string(), "--method", "footage"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     check_one_line(arguments, 2, {more[0], "footage"}, made.temp / "no.avi");
   }
@@ -83,26 +83,26 @@ TEST_CASE("synth makes a clip of the model's footage unless strokes are asked fo
     arguments.insert(arguments.end(), more.begin(), more.end());
     check_one_line(arguments, exit, what, made.temp / "no.avi");
   };
-  refuse({"--fill", "carried", "--flicker", "2"}, 2, {"--fill carried", "flicker"});
-  refuse({"--fill", "carried", "--start", "stationary"}, 2, {"--fill carried", "--start"});
+  refuse({"--method", "edit", "--flicker", "2"}, 2, {"--method edit", "flicker"});
+  refuse({"--method", "edit", "--start", "stationary"}, 2, {"--method edit", "--start"});
   const auto looped = run_command({"synth", made.model, "-o", (made.temp / "looped").string(), "--loop", "9",
                                    "--frames", "19", "--set", "synth.births=2", "-q"});
   INFO(looped.err);
   CHECK(looped.exit == 0);
   CHECK(bytes_of(made.temp / "looped/frame_00003.png") == bytes_of(made.temp / "looped/frame_00012.png"));
   refuse({"--loop", "1"}, 2, {"--loop is 1", "2 or more"});
-  refuse({"--loop", "9", "--fill", "diffusion"}, 2, {"--loop", "--fill draws strokes"});
-  refuse({"--loop", "9", "--flicker", "2"}, 2, {"--loop", "--flicker draws strokes"});
+  refuse({"--loop", "9", "--method", "diffusion"}, 2, {"--loop", "not diffusion"});
+  refuse({"--loop", "9", "--flicker", "2"}, 2, {"--loop", "not diffusion: flicker needs drawn strokes"});
   const auto bytes = made.temp / "a/model/footage.npy";
   fs::resize_file(bytes, fs::file_size(bytes) - 1);
   refuse({"--frames", "2"}, 1, {"footage.npy"});
   fs::remove(bytes);
-  refuse({"--fill", "footage"}, 1, {"holds no frames of its clip"});
-  refuse({"--fill", "carried"}, 1, {"holds no frames of its clip"});
-  CHECK(draw("older.avi", {"--frames", "3"})["options"]["synth"]["fill"] == "diffusion");
+  refuse({"--method", "footage"}, 1, {"holds no frames of its clip"});
+  refuse({"--method", "edit"}, 1, {"holds no frames of its clip"});
+  CHECK(draw("older.avi", {"--frames", "3"})["options"]["synth"]["method"] == "diffusion");
 }
 
-TEST_CASE("synth carries the clip's own strokes where they are edited, and says where it draws others") {
+TEST_CASE("synth edits the clip's own strokes, and says where it draws others") {
   const LearnedClip made;
   const auto out = made.temp / "new.avi", graphs = made.temp / "new.jsonl";
   const auto run = [&](const std::vector<std::string>& more) {
@@ -130,7 +130,7 @@ TEST_CASE("synth carries the clip's own strokes where they are edited, and says 
   CHECK(contains(run({"--set", "synth.merges=2"}), "merges above 1 needs drawn strokes"));
   fs::remove(made.temp / "a/model/footage_counts.npy");
   CHECK(contains(run({"--set", "synth.births=2"}), "holds none of its clip's frames"));
-  check_one_line({"synth", made.model, "-o", (made.temp / "no.avi").string(), "-q", "--fill", "carried"}, 1,
+  check_one_line({"synth", made.model, "-o", (made.temp / "no.avi").string(), "-q", "--method", "edit"}, 1,
                  {"holds no strokes of its clip's frames"}, made.temp / "no.avi");
 }
 
@@ -138,7 +138,7 @@ TEST_CASE("synth lets the clip's strokes live again at other times, and says wha
   const LearnedClip made;
   const auto out = [&](const char* name) { return (made.temp / name).string(); };
   const auto draw = [&](const char* clip, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"synth",   made.model, "-o",       out(clip), "--fill",
+    std::vector<std::string> arguments{"synth",   made.model, "-o",       out(clip), "--method",
                                        "strokes", "--json",   "--frames", "20",      "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto result = run_command(arguments);
@@ -149,7 +149,7 @@ TEST_CASE("synth lets the clip's strokes live again at other times, and says wha
   };
   const auto summary =
       draw("a.avi", {"--motion", out("a.jsonl"), "--film", out("film.png"), "--threads", "2"});
-  CHECK(summary["options"]["synth"]["fill"] == "strokes");
+  CHECK(summary["options"]["synth"]["method"] == "strokes");
   CHECK(summary["synthesis"]["copied_share"].get<double>() <= 1);
   std::ifstream stream(out("a.jsonl"));
   const auto motion = graph::read_motion(stream, "a.jsonl");
@@ -162,15 +162,46 @@ TEST_CASE("synth lets the clip's strokes live again at other times, and says wha
   draw("c.avi", {"--reverse", "--speed", "0.5", "--wind", "1,0", "--set", "synth.births=2"});
   CHECK(bytes_of(out("a.avi")) != bytes_of(out("c.avi")));
   const auto refuse = [&](const std::vector<std::string>& more, const std::vector<std::string>& what) {
-    std::vector<std::string> arguments{"synth", made.model, "-o", out("no.avi"), "--fill", "strokes"};
+    std::vector<std::string> arguments{"synth", made.model, "-o", out("no.avi"), "--method", "strokes"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     check_one_line(arguments, 2, what, out("no.avi"));
   };
-  refuse({"--flicker", "2"}, {"--fill strokes", "flicker"});
-  refuse({"--start", "stationary"}, {"--fill strokes", "--start"});
-  refuse({"--set", "synth.splits=2"}, {"--fill strokes", "rate of splits"});
-  refuse({"--loop", "9"}, {"--loop", "draws strokes"});
+  refuse({"--flicker", "2"}, {"--method strokes", "flicker"});
+  refuse({"--start", "stationary"}, {"--method strokes", "--start"});
+  refuse({"--set", "synth.splits=2"}, {"--method strokes", "rate of splits"});
+  refuse({"--loop", "9"}, {"--loop", "not strokes"});
   refuse({"--explain", out("map.png")}, {"--explain", "strokes"});
+}
+
+TEST_CASE("synth draws a texture of the clip's frames, and says what that has not") {
+  const LearnedClip made;
+  const auto out = [&](const char* name) { return (made.temp / name).string(); };
+  const auto draw = [&](const char* clip, const std::string& threads) {
+    const auto result = run_command({"synth", made.model, "-o", out(clip), "--method", "texture", "--json",
+                                     "--frames", "20", "--threads", threads});
+    INFO(result.err);
+    REQUIRE(result.exit == 0);
+    CHECK_FALSE(contains(result.err, "as in one frame"));
+    return nlohmann::json::parse(result.out);
+  };
+  const auto summary = draw("a.avi", "2");
+  CHECK(summary["options"]["synth"]["method"] == "texture");
+  CHECK(summary["synthesis"].empty());
+  draw("b.avi", "1");
+  CHECK(bytes_of(out("a.avi")) == bytes_of(out("b.avi")));
+  const auto source = read_clip(made.clip), drawn = read_clip(out("a.avi"));
+  REQUIRE(drawn.frames.size() == 20);
+  CHECK(std::abs(cv::mean(drawn.frames[5])[0] - cv::mean(source.frames[5])[0]) < 5);
+  const auto refuse = [&](const std::vector<std::string>& more, const std::vector<std::string>& what) {
+    std::vector<std::string> arguments{"synth", made.model, "-o", out("no.avi"), "--method", "texture"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_one_line(arguments, 2, what, out("no.avi"));
+  };
+  refuse({"--motion", out("a.jsonl")}, {"--motion", "not texture"});
+  refuse({"--set", "synth.births=2"}, {"--set synth", "not texture"});
+  refuse({"--reverse"}, {"--reverse", "--method texture"});
+  refuse({"--loop", "9"}, {"--loop", "not texture"});
+  refuse({"--explain", out("map.png")}, {"--explain", "texture"});
 }
 
 TEST_CASE("synth scales its frames, makes the ground transparent, and tells where pixels come from") {
@@ -228,7 +259,7 @@ TEST_CASE("synth refuses sizes, grounds and maps that cannot be") {
   refused({"-o", to, "--alpha", (made.temp / "clip/frame_00000.png").string(), "--width", "0"}, 2,
           {"--width"});
   refused({"-o", to, "--explain", (made.temp / "map.jpg").string()}, 2, {"--explain", ".png"});
-  refused({"-o", to, "--explain", (made.temp / "map.png").string(), "--fill", "diffusion"}, 2,
+  refused({"-o", to, "--explain", (made.temp / "map.png").string(), "--method", "diffusion"}, 2,
           {"--explain", "diffusion"});
   refused({"-o", to + "_%05d.exr", "--explain", to + "_%05d.exr"}, 2, {"--explain"});
   cv::imwrite((made.temp / "tiny.png").string(), cv::Mat(5, 5, CV_8UC3, cv::Scalar(9, 9, 9)));
