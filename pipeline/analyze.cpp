@@ -162,19 +162,18 @@ void remove_lost_joints(const graph::SketchSequence& sketch, std::vector<graph::
 
 /// Chooses the events to report and, where they are weighed, makes the motion graph agree with them.
 void settle_events(Analysis& analysis, const AnalyzeOptions& options) {
-  const auto reported = [&] {
-    std::vector<graph::Event> events;
-    std::ranges::copy_if(analysis.all_events, std::back_inserter(events),
-                         [&](const graph::Event& e) { return e.probability >= options.least_probability; });
-    return events;
-  };
-  analysis.contacts = graph::event_contacts(
-      options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion, reported());
+  const auto contacts = graph::event_contacts(
+      options.curve_events ? graph::curves_as_strokes(analysis.motion) : analysis.motion,
+      analysis.all_events);
   if (!options.bottom_up && !options.curve_events) {
     settle_graph(analysis.motion, analysis.all_events, analysis.cuts, options.least_probability);
     remove_lost_joints(analysis.motion.sketch, analysis.joints);
   }
-  analysis.events = reported();
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    if (analysis.all_events[k].probability >= options.least_probability) {
+      analysis.events.push_back(analysis.all_events[k]);
+      analysis.contacts.push_back(contacts[k]);
+    }
 }
 
 std::string words_of(const std::vector<int>& cuts) {

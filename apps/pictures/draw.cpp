@@ -19,6 +19,26 @@ cv::Scalar bgr(Colour c) {
   return {double(c.blue), double(c.green), double(c.red)};
 }
 
+/// Returns whether a patch only closes an outline, along the picture's border, where nothing is seen.
+bool is_unseen(const graph::Patch& patch) {
+  return graph::on_step(patch) && patch.contrast == 0;
+}
+
+/// Returns the parts of curves that are seen.
+std::vector<graph::Curve> seen_lines(const graph::AttributeGraph& graph) {
+  std::vector<graph::Curve> lines;
+  for (const graph::Curve& curve : graph::curves(graph)) {
+    lines.emplace_back();
+    for (const auto index : curve) {
+      if (!lines.back().empty() && is_unseen(graph.patch(index)) &&
+          is_unseen(graph.patch(lines.back().back())))
+        lines.emplace_back();
+      lines.back().push_back(index);
+    }
+  }
+  return lines;
+}
+
 cv::Point to_fixed_point(cv::Point2d p) {
   const double unit = 1 << kShift;
   return {static_cast<int>(std::lround(p.x * unit)), static_cast<int>(std::lround(p.y * unit))};
@@ -149,20 +169,17 @@ cv::Mat enlarge(const cv::Mat& frame, double scale) {
 void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Placement& place,
                 const std::function<Colour(std::size_t)>& colour) {
   const cv::Scalar dark(24, 20, 20);
-  const auto curves = graph::curves(graph);
-  std::vector<std::vector<cv::Point2d>> lines;
-  for (const auto& curve : curves) {
-    std::vector<cv::Point2d> line;
-    for (const auto index : curve) line.push_back(place(graph.patch(index).position));
-    lines.push_back(std::move(line));
-  }
-  for (const auto& line : lines)
-    if (line.size() > 1) draw_polyline(picture, line, dark, 4);
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    if (lines[i].size() > 1) draw_polyline(picture, lines[i], bgr(colour(curves[i].front())), 2);
+  const auto lines = seen_lines(graph);
+  const auto draw_line = [&](const graph::Curve& line, const cv::Scalar& tint, int thickness) {
+    std::vector<cv::Point2d> points;
+    for (const auto index : line) points.push_back(place(graph.patch(index).position));
+    if (points.size() > 1) draw_polyline(picture, points, tint, thickness);
+  };
+  for (const auto& line : lines) draw_line(line, dark, 4);
+  for (const auto& line : lines) draw_line(line, bgr(colour(line.front())), 2);
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const auto& patch = graph.patch(i);
-    if (graph::is_anchor(patch)) continue;
+    if (graph::is_anchor(patch) || is_unseen(patch)) continue;
     const cv::Point2d at = place(patch.position);
     const auto tint = bgr(colour(i));
     if (graph.degree(i) == 0) {

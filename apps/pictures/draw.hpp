@@ -65,7 +65,7 @@ struct Placement {
 };
 
 /// Draws curves in the colour of their stroke, a tick across every patch, a dot for a single patch, a ring at
-/// junctions; anchors are left out. `colour` takes the vertex index.
+/// junctions; anchors and outlines along the picture's border are left out. `colour` takes the vertex index.
 void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Placement& place,
                 const std::function<Colour(std::size_t)>& colour);
 

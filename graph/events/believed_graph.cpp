@@ -2,6 +2,7 @@
 #include "graph/events/believed_graph.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,12 +19,16 @@ namespace emberfold::graph {
 namespace {
 
 constexpr double kLongestBridge = 30;  // px; wider gaps are read as one stroke by mistake
+constexpr double kAnyBridge = std::numeric_limits<double>::max();  // of things
+constexpr int kRounds = 5;                                         // of naming strokes anew; clips take two
 
 /// Patches of one component of a stroke.
 using Piece = std::vector<std::uint32_t>;
 
-/// Returns the pieces of each stroke that is in several, the largest first.
-std::vector<std::vector<Piece>> broken_strokes(const AttributeGraph& graph) {
+/// Returns the pieces of each stroke that is in several: first the one that most patches are `followed` in,
+/// of equals the largest.
+std::vector<std::vector<Piece>> broken_strokes(const AttributeGraph& graph,
+                                               const std::vector<bool>& followed) {
   const Components parts = components(graph);
   std::map<SubgraphId, std::map<std::uint32_t, Piece>> of_stroke;
   for (std::uint32_t v = 0; v < graph.size(); ++v)
@@ -33,7 +38,10 @@ std::vector<std::vector<Piece>> broken_strokes(const AttributeGraph& graph) {
     if (by_part.size() < 2) continue;
     std::vector<Piece> pieces;
     for (auto& [part, piece] : by_part) pieces.push_back(std::move(piece));
-    std::ranges::stable_sort(pieces, std::ranges::greater{}, &Piece::size);
+    std::ranges::stable_sort(pieces, std::ranges::greater{}, [&](const Piece& piece) {
+      return std::pair(std::ranges::count_if(piece, [&](std::uint32_t v) { return followed[v]; }),
+                       piece.size());
+    });
     broken.push_back(std::move(pieces));
   }
   return broken;
@@ -41,15 +49,15 @@ std::vector<std::vector<Piece>> broken_strokes(const AttributeGraph& graph) {
 
 /// The shortest bridge between two pieces.
 struct Bridge {
-  double length = kLongestBridge;
+  double length = 0;
   std::uint32_t from = 0, to = 0;
   std::size_t piece = 0;
 };
 
 /// Returns the shortest bridge from a piece to one of the others that are waiting, if it is short enough.
 std::optional<Bridge> shortest_bridge(const AttributeGraph& graph, const Piece& whole,
-                                      std::span<const Piece> waiting) {
-  Bridge best;
+                                      std::span<const Piece> waiting, double longest) {
+  Bridge best{longest};
   bool found = false;
   for (std::size_t k = 0; k < waiting.size(); ++k)
     for (const std::uint32_t v : whole)
@@ -62,21 +70,23 @@ std::optional<Bridge> shortest_bridge(const AttributeGraph& graph, const Piece& 
   return found ? std::optional(best) : std::nullopt;
 }
 
-/// Joins the pieces of each stroke; of what is too far away from the largest, things stay and the rest goes.
-AttributeGraph join_pieces(const AttributeGraph& graph, const std::set<SubgraphId>& things) {
+/// Joins the pieces of each stroke, those of things over any gap; what is too far away from the first goes.
+AttributeGraph join_pieces(const AttributeGraph& graph, const std::set<SubgraphId>& things,
+                           const std::vector<bool>& followed) {
   std::vector<Edge> edges(graph.edges().begin(), graph.edges().end());
   std::vector<bool> stays(graph.size(), true);
-  for (auto& pieces : broken_strokes(graph)) {
+  for (auto& pieces : broken_strokes(graph, followed)) {
     Piece whole = std::move(pieces.front());
     pieces.erase(pieces.begin());
-    while (const auto bridge = shortest_bridge(graph, whole, pieces)) {
+    const bool is_thing = things.contains(graph.vertices()[whole.front()].subgraph);
+    const double longest = is_thing ? kAnyBridge : kLongestBridge;
+    while (const auto bridge = shortest_bridge(graph, whole, pieces, longest)) {
       const auto ends = std::minmax(graph.vertices()[bridge->from].id, graph.vertices()[bridge->to].id);
       edges.push_back({ends.first, ends.second});
       const auto joined = pieces.begin() + static_cast<std::ptrdiff_t>(bridge->piece);
       whole.insert(whole.end(), joined->begin(), joined->end());
       pieces.erase(joined);
     }
-    if (things.contains(graph.vertices()[whole.front()].subgraph)) continue;
     for (const Piece& piece : pieces)
       for (const std::uint32_t v : piece) stays[v] = false;
   }
@@ -91,6 +101,18 @@ AttributeGraph separate_strokes(const AttributeGraph& graph, const std::set<Subg
   for (std::uint32_t v = 0; v < graph.size(); ++v)
     stays[v] = !left_out.contains(graph.vertices()[v].subgraph);
   return without_touches(induced_subgraph(graph, stays));
+}
+
+/// Returns which patches of a frame are linked with one of the edited frame before, of the same stroke.
+std::vector<bool> followed_patches(const AttributeGraph& before, const AttributeGraph& after,
+                                   std::span<const Link> links) {
+  std::vector<bool> followed(after.size());
+  for (const Link& link : links) {
+    const std::size_t i = before.index_of(link.before), j = after.index_of(link.after);
+    if (i != before.size() && j != after.size())
+      followed[j] = followed[j] || before.vertices()[i].subgraph == after.vertices()[j].subgraph;
+  }
+  return followed;
 }
 
 /// Returns the links that stay between two edited frames.
@@ -121,23 +143,54 @@ void remove_absent_strokes(const MotionGraph& motion, std::vector<Event>& events
   }
 }
 
+/// A motion graph whose strokes have their names, the events renamed with them, and their lives.
+struct NamedStrokes {
+  MotionGraph motion;
+  std::vector<Event> events;
+  std::map<SubgraphId, detail::Life> lives;
+};
+
+NamedStrokes name_strokes(const MotionGraph& motion, const std::vector<Event>& events,
+                          std::span<const int> cuts, double believed) {
+  NamedStrokes named{motion, events, {}};
+  keep_identity(named.motion, named.events, believed);
+  const auto of_frame = detail::believed_events(named.events, believed, motion.sketch.frames.size());
+  detail::continue_strokes(named.motion, named.events, detail::believed_lives(named.motion, of_frame, cuts));
+  named.lives = detail::believed_lives(named.motion, of_frame, cuts);
+  return named;
+}
+
+/// Gives events the probabilities that the strokes with both ends, or with none, have.
+void settle_probabilities(const MotionGraph& motion, std::vector<Event>& events, std::span<const int> cuts) {
+  for (int round = 0; round < kRounds; ++round) {
+    NamedStrokes named = name_strokes(motion, events, cuts, detail::kEven);
+    if (!detail::settle_open_ends(named.lives, named.events)) return;
+    for (std::size_t k = 0; k < events.size(); ++k) events[k].probability = named.events[k].probability;
+  }
+}
+
 }  // namespace
 
 void keep_believed(MotionGraph& motion, std::vector<Event>& events, std::span<const int> cuts,
                    double believed) {
-  keep_identity(motion, events, believed);
-  auto& frames = motion.sketch.frames;
-  const auto of_frame = detail::believed_events(events, believed, frames.size());
-  detail::continue_strokes(motion, events, detail::believed_lives(motion, of_frame, cuts));
+  settle_probabilities(motion, events, cuts);
+  NamedStrokes named = name_strokes(motion, events, cuts, believed);
+  motion = std::move(named.motion);
+  events = std::move(named.events);
+  const auto of_frame = detail::believed_events(events, believed, motion.sketch.frames.size());
   std::set<SubgraphId> left_out, things;
-  for (const auto& [stroke, life] : detail::believed_lives(motion, of_frame, cuts)) {
+  for (const auto& [stroke, life] : named.lives) {
     if (life.is_thing())
       things.insert(stroke);
     else if (!life.begins && !life.ends && !(life.comes_in && life.goes_out))
       left_out.insert(stroke);
   }
+  auto& frames = motion.sketch.frames;
   for (std::size_t t = 0; t < frames.size(); ++t) {
-    frames[t] = join_pieces(separate_strokes(frames[t], left_out), things);
+    frames[t] = separate_strokes(frames[t], left_out);
+    const std::vector<bool> followed = t > 0 ? followed_patches(frames[t - 1], frames[t], motion.links[t])
+                                             : std::vector<bool>(frames[t].size());
+    frames[t] = join_pieces(frames[t], things, followed);
     if (t > 0) motion.links[t] = believed_links(frames[t - 1], frames[t], motion.links[t], of_frame[t]);
   }
   remove_absent_strokes(motion, events);

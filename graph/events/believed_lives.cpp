@@ -10,9 +10,11 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr double kThing = 20;    // patches, about 100 px
-constexpr double kBorder = 5;    // px: nearer to the picture's border, a stroke goes out through it
-constexpr double kStands = 0.2;  // px a frame: below, a stroke stands, and goes nowhere
+constexpr double kThing = 20;  // patches, about 100 px
+constexpr double kBorder = 5;  // px: nearer to the picture's border, a stroke goes out through it
+constexpr double kLeast = 0.1, kMost = 0.8;  // probabilities of an end beyond are taken as these
+constexpr double kRounding = 1e-9;           // of a probability
+constexpr double kStands = 0.2;              // px a frame: below, a stroke stands, and goes nowhere
 
 std::map<SubgraphId, Life> lives_of(const SketchSequence& sketch) {
   struct Shape {
@@ -48,6 +50,26 @@ bool passes_border(const MotionGraph& motion, SubgraphId stroke, std::size_t fra
     return v.subgraph != stroke ||
            std::min({p.x, p.y, motion.sketch.width - 1 - p.x, motion.sketch.height - 1 - p.y}) < kBorder;
   });
+}
+
+/// Returns the likeliest event that names a stroke in a frame, before or after it; null if there is none.
+Event* likeliest(std::vector<Event>& events, std::vector<SubgraphId> Event::*side, std::size_t frame,
+                 SubgraphId stroke) {
+  Event* found = nullptr;
+  for (Event& event : events)
+    if (static_cast<std::size_t>(event.frame) == frame && names(event.*side, stroke) &&
+        (found == nullptr || event.probability > found->probability))
+      found = &event;
+  return found;
+}
+
+bool is_whole_stroke(EventType type) {
+  return type == EventType::birth || type == EventType::death;
+}
+
+double odds(double probability) {
+  const double p = std::clamp(probability, kLeast, kMost);
+  return p / (1 - p);
 }
 
 }  // namespace
@@ -88,6 +110,27 @@ std::map<SubgraphId, Life> believed_lives(const MotionGraph& motion, const Belie
     life.goes_out = is_cut(life.last + 1) || passes_border(motion, stroke, life.last, previous);
   }
   return lives;
+}
+
+bool settle_open_ends(const std::map<SubgraphId, Life>& lives, std::vector<Event>& events) {
+  bool changed = false;
+  for (const auto& [stroke, life] : lives) {
+    if (life.begins == life.ends || life.comes_in || life.goes_out) continue;
+    Event* const first = likeliest(events, &Event::after, life.first, stroke);
+    Event* const last = likeliest(events, &Event::before, life.last + 1, stroke);
+    Event* const believed = life.begins ? first : last;
+    Event* const open = life.begins ? last : first;
+    const double both = odds(believed->probability) * odds(open == nullptr ? 0 : open->probability);
+    const double probability = both / (1 + both);
+    if (open != nullptr && probability > kEven + kRounding) {
+      changed |= open->probability < kEven;
+      open->probability = std::max(open->probability, probability);
+    } else if (!life.is_thing() && is_whole_stroke(believed->type) && believed->probability < 1) {
+      changed |= believed->probability > probability;
+      believed->probability = std::min({believed->probability, probability, kEven - kRounding});
+    }
+  }
+  return changed;
 }
 
 }  // namespace emberfold::graph::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "graph/events/believed_graph.hpp"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -138,14 +139,30 @@ TEST_CASE("Where all events are believed a graph is unchanged", "[graph][believe
   }
 }
 
-TEST_CASE("A stroke of which neither end is believed is left out", "[graph][believed_graph]") {
+TEST_CASE("A stroke is there with both of its ends, or not at all", "[graph][believed_graph]") {
   const auto motion = short_life({150, 50}, {150, 70}, 5);
-  for (const auto& [birth, death] : {std::pair{0.4, 0.4}, {0.4, 0.6}, {0.6, 0.4}, {0.6, 0.6}}) {
-    auto settled = motion;
-    auto events = events_of(motion, {birth, death});
-    graph::keep_believed(settled, events, {}, 0.5);
-    CHECK((sizes(settled) == kSevenEach) == (birth < 0.5 && death < 0.5));
-  }
+  for (const double birth : {0.0, 0.15, 0.3, 0.45, 0.6, 0.9, 0.99})
+    for (const double death : {0.0, 0.15, 0.3, 0.45, 0.6, 0.9, 0.99}) {
+      auto settled = motion;
+      auto events = events_of(motion, {birth, death});
+      graph::keep_believed(settled, events, {}, 0.5);
+      // An end counts for 0.1 to 0.8.
+      const double p = std::clamp(birth, 0.1, 0.8), q = std::clamp(death, 0.1, 0.8);
+      const double odds = p * q / ((1 - p) * (1 - q));
+      const bool is_there = birth >= 0.5 || death >= 0.5 ? odds > 1 : false;
+      INFO("birth " << birth << ", death " << death);
+      CHECK((sizes(settled) == kSevenEach) != is_there);
+      for (const auto& event : events) CHECK((event.probability >= 0.5) == is_there);
+      if (is_there && birth >= 0.5 && death >= 0.5) CHECK(events[0].probability == birth);
+      if (is_there && birth < 0.5) CHECK_THAT(events[0].probability, WithinAbs(odds / (1 + odds), 1e-12));
+      CHECK(graph::stroke_events(settled).size() == (is_there ? 2 : 0));
+    }
+  // What a review says stays.
+  auto reviewed = motion;
+  auto facts = events_of(motion, {0, 1});
+  graph::keep_believed(reviewed, facts, {}, 0.5);
+  CHECK(facts[1].probability == 1);
+  CHECK(sizes(reviewed) != kSevenEach);
   // Where the picture changes nothing is born or dies.
   auto settled = motion;
   auto events = events_of(motion, {0, 0});
@@ -250,6 +267,30 @@ TEST_CASE("A stroke continues where its end and its beginning are not believed",
       CHECK(events[0].before.size() == (goes_on || death > 0.5));
       CHECK(events[1].after.size() == (goes_on || birth > 0.5));
     }
+}
+
+TEST_CASE("Pieces of a large thing are joined over any gap", "[graph][believed_graph]") {
+  std::vector<graph::AttributeGraph> frames;
+  for (int t = 0; t < 3; ++t) {
+    test::Frame frame;
+    std::vector<std::uint32_t> first;
+    for (const double x : {60.0, 160.0}) {
+      std::vector<graph::Point> circle;
+      for (int k = 0; k < 24; ++k) {
+        const double angle = 2 * 3.14159265358979 * k / 24;
+        circle.push_back({x + 20 * std::cos(angle), 120 + 20 * std::sin(angle)});
+      }
+      first.push_back(frame.line(circle));
+      frame.edge(first.back(), first.back() + 23);
+    }
+    if (t != 1) frame.edge(first[0], first[1] + 12);
+    frames.push_back(frame.graph());
+  }
+  auto motion = graph::identify(test::motion(frames, {same(48), same(48)}));
+  auto events = events_of(motion, {0.3, 0.3});
+  graph::keep_believed(motion, events, {}, 0.5);
+  CHECK(graph::stroke_events(motion).empty());
+  CHECK(motion.sketch.frames[1].edges().size() == 49);
 }
 
 TEST_CASE("Strokes are components, and links join their patches or those of believed events",
