@@ -113,7 +113,7 @@ class Naming {
  public:
   explicit Naming(const MotionGraph& motion) : motion_(motion), names_(motion.sketch.frames.size()) {}
 
-  /// Names the next frame, and the strokes of its events.
+  /// Names the next frame.
   void add_frame(const std::vector<Event*>& events, double believed) {
     const std::size_t t = named_++;
     const AttributeGraph &before = t > 0 ? motion_.sketch.frames[t - 1] : none_,
@@ -123,17 +123,20 @@ class Naming {
     names = linked_names(before, after, motion_.links[t], names_before);
     spread_names(after, names, last_);
     std::map<std::uint32_t, std::uint32_t> became;
-    std::vector<ChangedPatches> changes;
     for (const Event* event : events) {
-      changes.push_back(changed_patches(*event, before, after));
       if (event->probability < believed) continue;
-      if (t > 0 && changes.back().before.size() == 2) part_before(t - 1, changes.back().before);
-      change_names(changes.back(), names_before, names, last_, became);
+      const ChangedPatches change = changed_patches(*event, before, after);
+      if (t > 0 && change.before.size() == 2) part_before(t - 1, change.before);
+      change_names(change, names_before, names, last_, became);
     }
-    for (std::size_t k = 0; k < changes.size(); ++k) {
-      events[k]->before = names_of(names_before, changes[k].before);
-      events[k]->after = names_of(names, changes[k].after);
-    }
+  }
+  /// Renames the strokes of an event, once all frames have their names.
+  void rename_strokes(Event& event) const {
+    const auto t = static_cast<std::size_t>(event.frame);
+    const ChangedPatches change =
+        changed_patches(event, motion_.sketch.frames[t - 1], motion_.sketch.frames[t]);
+    event.before = names_of(names_[t - 1], change.before);
+    event.after = names_of(names_[t], change.after);
   }
   [[nodiscard]] const Names& names(std::size_t t) const { return names_[t]; }
 
@@ -191,6 +194,7 @@ void keep_identity(MotionGraph& motion, std::vector<Event>& events, double belie
   for (Event& event : events) of_frame.at(static_cast<std::size_t>(event.frame)).push_back(&event);
   Naming naming(motion);
   for (const auto& of_one : of_frame) naming.add_frame(of_one, believed);
+  for (Event& event : events) naming.rename_strokes(event);
   for (std::size_t t = 0; t < frames.size(); ++t) {
     std::vector<SubgraphId> strokes;
     for (const std::uint32_t name : naming.names(t)) strokes.push_back({name});
