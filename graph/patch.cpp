@@ -31,6 +31,15 @@ Patch make_anchor(Point pixel, const Level& level) {
   return patch;
 }
 
+bool joins_outlines(const Patch& a, const Patch& b) {
+  constexpr double kAlong = 50 * std::numbers::pi / 180;
+  if (!on_step(a) || !on_step(b)) return false;
+  const Point way = b.position - a.position;
+  const double direction = std::atan2(way.y, way.x);
+  return orientation_difference(a.theta, direction) > kAlong &&
+         orientation_difference(b.theta, direction) > kAlong;
+}
+
 bool same_kind(const Patch& a, const Patch& b) {
   const bool step_a = on_step(a), step_b = on_step(b);
   return step_a == step_b && (step_a || (a.contrast > 0) == (b.contrast > 0));

@@ -95,6 +95,10 @@ inline bool on_step(const Patch& patch) {
   return patch.width <= 0;
 }
 
+/// Returns whether an edge between two patches only tells that both belong to one thing, so that nothing is
+/// seen along it: both lie on steps, and neither step runs along the edge (within 50°).
+bool joins_outlines(const Patch& a, const Patch& b);
+
 /// Returns whether two patches can be linked in time: both lines of one sign, or both steps.
 bool same_kind(const Patch& a, const Patch& b);
 

@@ -11,14 +11,11 @@
 #include "core/stage_clock.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "mcmc/sampler/multi_chain.hpp"
-#include "mcmc/simulation/event_statistics.hpp"
-#include "pipeline/calibration.hpp"
 #include "pipeline/figures/figures.hpp"
 #include "pipeline/footage/footage.hpp"
 #include "pipeline/inference/cuts.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
-#include "pipeline/rate_correction.hpp"
 #include "pipeline/readings.hpp"
 #include "pipeline/stages/analysis_stages.hpp"
 #include "sketch/background/static_pixels.hpp"
@@ -40,7 +37,6 @@ void check_options(const AnalyzeOptions& options) {
   options.match.validate();
   options.starts.validate();
   options.infer.validate();
-  options.calibrate.validate();
   if (options.bottom_up && options.sample)
     throw core::InputError("AnalyzeOptions.bottom_up and sample exclude each other");
   if (options.curve_events && options.sample)
@@ -107,28 +103,6 @@ void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figu
     weigh_by_samples(sampled.last, analysis.all_events);
     analysis.sampled = std::move(sampled.sampler);
   }
-}
-
-/// Returns frames from the middle of the clip, at most the number that a calibration draws.
-graph::SketchSequence middle_frames(const graph::SketchSequence& sketch) {
-  const std::size_t count = std::min<std::size_t>(sketch.frames.size(), kCalibrationFrames);
-  graph::SketchSequence middle{sketch.width, sketch.height, sketch.fps, {}};
-  for (std::size_t t = 0; t < count; ++t)
-    middle.append(sketch.frames[(sketch.frames.size() - count) / 2 + t]);
-  return middle;
-}
-
-/// Returns the correction that the model's rates need before strokes are first drawn from it.
-std::optional<RateCorrection> rate_correction(const StartSketches& sketches, const AnalyzeOptions& options,
-                                              const mcmc::FitResult& fitted, const core::Context& context) {
-  if (options.calibrate.calibrate == 0) return std::nullopt;
-  // Drawn clips are analysed without filled-in patches, too.
-  const auto motion =
-      graph::match(middle_frames(sketches.clip.sketch), options.match, context.with_progress({}));
-  const auto source = mcmc::event_statistics(motion, graph::stroke_events(motion));
-  if (source.patches <= 0 || fitted.model.exemplars.empty()) return std::nullopt;
-  return RateCorrection{
-      options.calibrate.calibrate, options.seed, source, fitted.observed, options.sketch, options.match};
 }
 
 /// Sketches the clip and the copies that its interpretations need, or reads the sketches that are kept.
@@ -229,10 +203,9 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
 }
 
 /// Learns everything that new clips are drawn with. `fitted`: how the strokes move.
-LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketches,
-                         sketch::Background background, const AnalyzeOptions& options,
-                         const Analysis& analysis, mcmc::FitResult fitted, core::StageClock& clock,
-                         const core::Context& context) {
+LearnedModel learn_model(core::FrameSource& source, sketch::Background background,
+                         const AnalyzeOptions& options, const Analysis& analysis, mcmc::FitResult fitted,
+                         core::StageClock& clock, const core::Context& context) {
   LearnedModel learned;
   ClipModel& model = learned.model;
   model.background = std::move(background);
@@ -240,7 +213,6 @@ LearnedModel learn_model(core::FrameSource& source, const StartSketches& sketche
   core::return_freed_memory();
   const double gradient = sketch::measure_clip_flank_gradient(source, analysis.motion.sketch, context).mean();
   model.sharpening = fit_sharpening(fitted.model, model.background, gradient, options.seed, context);
-  model.correction = rate_correction(sketches, options, fitted, context);
   core::return_freed_memory();
   learned.rates = fitted.events_per_frame;
   learned.notes = std::move(fitted.notes);
@@ -260,10 +232,7 @@ std::optional<Quality> quality(std::string_view name) {
 }
 
 void set_quality(AnalyzeOptions& options, Quality quality) {
-  if (quality == Quality::draft) {
-    options.bottom_up = true;
-    options.calibrate.calibrate = 0;
-  }
+  if (quality == Quality::draft) options.bottom_up = true;
 }
 
 Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const core::Context& context,
@@ -283,8 +252,8 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   mcmc::FitResult fitted;
   find_motion(source, sketches, options, stages, learned.has_value(), analysis, fitted, clock, context);
   if (!learned) {
-    learned = learn_model(source, sketches, std::move(background), options, analysis, std::move(fitted),
-                          clock, context);
+    learned =
+        learn_model(source, std::move(background), options, analysis, std::move(fitted), clock, context);
     if (stages != nullptr) stages->keep_model(*learned);
   }
   for (const auto& note : learned->notes) context.warn("model: " + note);

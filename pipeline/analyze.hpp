@@ -44,29 +44,12 @@ struct StartOptions {
   void validate() const;
 };
 
-/// Holds the settings of calibrate().
-struct CalibrateOptions {
-  int calibrate = 2;  ///< done when strokes are first drawn from the model
-
-  /// Returns the fields' descriptions for checks, help and docstrings.
-  static auto fields() {
-    using core::between;
-    return std::to_array<core::OptionField<CalibrateOptions>>({
-        {"calibrate", &CalibrateOptions::calibrate, "ROUNDS", between(0, 20),
-         "Draw from the model, analyse the clip and correct the rates; 0: never"},
-    });
-  }
-  /// Throws core::InputError naming field, value and range.
-  void validate() const;
-};
-
 /// Holds the settings of analyze().
 struct AnalyzeOptions {
   sketch::ExtractOptions sketch = kFollowedSketch;
   graph::MatchOptions match = {};
   StartOptions starts = {};
   mcmc::InferOptions infer = {};
-  CalibrateOptions calibrate = {};
   bool bottom_up = false;     ///< the match unchanged, each event of probability 1
   bool curve_events = false;  ///< events of curves, not of strokes; touching and crossing are no events
   /// Also follows figures, things wider than a line (find_figures); not with the three options about them.
@@ -83,7 +66,7 @@ struct AnalyzeOptions {
 
 /// Names the effort spent on a clip's events.
 enum class Quality {
-  draft,  ///< the match unchanged: every event has probability 1; rates are not corrected
+  draft,  ///< the match unchanged: every event has probability 1
   normal  ///< events are weighed by what the images show
 };
 /// Returns the quality of that name; nothing for an unknown name.
@@ -115,8 +98,7 @@ class AnalysisStages;
 
 /// Analyses a clip: sketches, motion, events and the model that new clips are drawn from.
 /// Each event has the probability that the images show it (event_posterior), unless options ask otherwise.
-/// Reads the clip several times, frame by frame, and keeps all graphs. The model's rates are learned; they
-/// are corrected when strokes are first drawn from it (RateCorrection). `stages`: stores the results of each
+/// Reads the clip several times, frame by frame, and keeps all graphs. `stages`: stores the results of each
 /// stage and returns those that an earlier call stored. Equal clips, options and seeds give equal results at
 /// any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError for a clip
 /// of fewer than two frames, core::InputError for options out of range, core::Cancelled. Example:

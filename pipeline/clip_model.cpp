@@ -11,7 +11,6 @@
 #include "pipeline/footage/footage.hpp"
 #include "pipeline/footage/footage_strokes.hpp"
 #include "pipeline/frame_synthesis.hpp"
-#include "pipeline/rate_correction.hpp"
 #include "sketch/background/still_background.hpp"
 #include "sketch/rendering/sharpening.hpp"
 
@@ -48,7 +47,6 @@ ClipModel strokes_and_background(const core::ModelArchive& archive) {
   model.motion = mcmc::motion_model(archive);
   model.background = sketch::read_background(archive, {model.motion.width, model.motion.height});
   model.sharpening = sketch::read_sharpening(archive);
-  model.correction = read_rate_correction(archive);
   return model;
 }
 
@@ -58,7 +56,6 @@ core::ModelArchive to_archive(const ClipModel& model) {
   auto archive = mcmc::to_archive(model.motion);
   sketch::add_background(archive, model.background);
   sketch::add_sharpening(archive, model.sharpening);
-  if (model.correction) add_rate_correction(archive, *model.correction);
   if (model.footage) add_footage(archive, *model.footage);
   return archive;
 }

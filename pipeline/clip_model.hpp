@@ -11,12 +11,9 @@
 
 #include "core/context.hpp"
 #include "core/model_archive.hpp"
-#include "graph/matching/match.hpp"
 #include "graph/motion_graph.hpp"
-#include "mcmc/learning/clip_statistics.hpp"
 #include "mcmc/model/motion_model.hpp"
 #include "sketch/background/background.hpp"
-#include "sketch/extract.hpp"
 #include "sketch/rendering/frame_renderer.hpp"
 
 namespace emberfold::pipeline {
@@ -31,25 +28,12 @@ struct Footage {
   [[nodiscard]] bool empty() const { return frames.empty(); }
 };
 
-/// Holds a pending correction of a model's rates (calibrate): how the clip was analysed, and its statistics.
-/// Stored with the model, so that a model's folder alone suffices to correct it. Only clips of drawn strokes
-/// need it, so it is not applied before one is drawn.
-struct RateCorrection {
-  int rounds = 0;  ///< 1…20
-  std::uint64_t seed = 1;
-  mcmc::EventStatistics source;    ///< of the clip, matched bottom-up
-  mcmc::EventStatistics observed;  ///< those to which the rates are balanced (mcmc::FitResult)
-  sketch::ExtractOptions sketch;
-  graph::MatchOptions match;
-};
-
 /// Holds a clip's model: strokes, their motion, and everything that its frames are drawn with.
 struct ClipModel {
   mcmc::MotionModel motion;
   sketch::Background background;  ///< static pixels between the strokes, and the range of levels
   sketch::Sharpening sharpening;
-  std::optional<Footage> footage = {};            ///< for every SynthesisMethod but diffusion
-  std::optional<RateCorrection> correction = {};  ///< applied when strokes are first drawn
+  std::optional<Footage> footage = {};  ///< for every SynthesisMethod but diffusion
 };
 
 /// Packs a model for its folder: model.json and arrays.

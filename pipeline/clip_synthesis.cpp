@@ -10,7 +10,6 @@
 #include "pipeline/footage/footage_synthesis.hpp"
 #include "pipeline/frame_method.hpp"
 #include "pipeline/frame_synthesis.hpp"
-#include "pipeline/rate_correction.hpp"
 #include "pipeline/strokes/stroke_synthesis.hpp"
 #include "pipeline/texture/texture_synthesis.hpp"
 #include "sketch/rendering/sharpening.hpp"
@@ -109,7 +108,6 @@ ClipSynthesis::ClipSynthesis(ClipModel model, const ClipSynthesisOptions& option
     : options_(options), context_(context) {
   check(model, options);
   method_ = chosen_method(model, options);
-  if (!is_of_footage(method_)) correct_rates(model, context);
   info_ = info_of(model, method_);
   model_ = std::make_shared<const ClipModel>(std::move(model));
   frames_ = begin(model_, method_, options_, context_);

@@ -56,8 +56,7 @@ class FrameMethod;
 ///     io::write_video("new.mp4", synthesis, 300);
 class ClipSynthesis final : public core::FrameSource {
  public:
-  /// Keeps a copy of the model; where strokes are drawn from it, a pending correction of its rates comes
-  /// first (correct_rates). Throws core::InputError where it lacks the part that options.method needs;
+  /// Keeps a copy of the model. Throws core::InputError where it lacks the part that options.method needs;
   /// core::Cancelled.
   explicit ClipSynthesis(ClipModel model, const ClipSynthesisOptions& options = {},
                          const core::Context& context = {});

@@ -9,7 +9,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
-#include "pipeline/rate_correction.hpp"
 
 namespace emberfold::pipeline {
 
@@ -19,7 +18,6 @@ EditedClipModel edit_model(ClipModel model, const mcmc::MotionEdit& edit, std::u
   EditedClipModel edited{std::move(model), {}};
   if (edit == mcmc::MotionEdit{}) return edited;
   auto& changed = edited.model;
-  correct_rates(changed, context);
   auto motion = mcmc::edit_motion(changed.motion, edit, seed, context);
   changed.motion = std::move(motion.model);
   std::ranges::move(motion.notes, std::back_inserter(edited.notes));

@@ -19,9 +19,9 @@ struct EditedClipModel {
   std::vector<std::string> notes;  ///< one line for each change that could not be made in full
 };
 
-/// Returns an edited copy of a clip's model: its strokes as mcmc::edit_motion does, after the model's pending
-/// correction. An edited model has no footage, which would not show the edit; a neutral edit returns the same
-/// model. Throws core::InputError as edit_motion does; core::Cancelled.
+/// Returns an edited copy of a clip's model: its strokes as mcmc::edit_motion does. An edited model has no
+/// footage, which would not show the edit; a neutral edit returns the same model. Throws core::InputError as
+/// edit_motion does; core::Cancelled.
 EditedClipModel edit_model(ClipModel model, const mcmc::MotionEdit& edit, std::uint64_t seed = 1,
                            const core::Context& context = {});
 

@@ -52,7 +52,6 @@ void write_scene(const MadeScene& scene, const std::string& where, io::OutputFol
 std::vector<graph::Event> find_own_events(const core::Clip& clip, SceneKind kind, bool bottom_up,
                                           const Session& session) {
   pipeline::AnalyzeOptions options;
-  options.calibrate.calibrate = 0;
   options.bottom_up = bottom_up;
   options.curve_events = kind == SceneKind::filaments;
   core::ClipSource source(clip);

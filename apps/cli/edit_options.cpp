@@ -9,7 +9,6 @@
 
 #include "apps/cli/command_line.hpp"
 #include "apps/cli/interrupt.hpp"
-#include "apps/runs/corrected_model.hpp"
 #include "core/io/mask_file.hpp"
 #include "pipeline/edit_model.hpp"
 
@@ -104,7 +103,6 @@ mcmc::MotionEdit read_edit(const EditOptions& options, const mcmc::MotionModel& 
 }
 
 pipeline::ClipModel apply_edits(pipeline::ClipModel model, const EditOptions& options, Session& session) {
-  correct_rates_once(model, session.context);
   const auto edit = read_edit(options, model.motion);
   auto edited = pipeline::edit_model(std::move(model), edit, session.common.seed, session.context);
   for (const auto& note : edited.notes) session.warn(note);

@@ -200,31 +200,16 @@ std::vector<RateInterval> rates_a_frame(const pipeline::Analysis& found) {
   return rates;
 }
 
-Json census_json(const mcmc::EventStatistics& census) {
-  Json events = Json::object();
-  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
-  for (const auto type : graph::all_event_types())
-    events[std::string(graph::name(type))] = rounded(census.events[static_cast<std::size_t>(type)]);
-  double strokes = 0;
-  for (const double count : census.strokes) strokes += count;
-  return {{"patches", rounded(census.patches)}, {"strokes", rounded(strokes)}, {"events", events}};
-}
-
-Json correction_json(const std::optional<pipeline::RateCorrection>& correction) {
-  if (!correction) return nullptr;
-  return {{"source", census_json(correction->source)}, {"rounds", correction->rounds}};
-}
-
 Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& options, const Pictures& pictures,
                    Json begun) {
   Json& summary = begun;
   const auto& motion = found.motion;
   summary["options"] = {
-      {"reading", reading_json(options.read)},          {"sketch", options_json(options.sketch)},
-      {"match", options_json(options.match)},           {"starts", options_json(options.starts)},
-      {"infer", options_json(options.infer)},           {"bottom_up", options.bottom_up},
-      {"curve_events", options.curve_events},           {"sample", options.sample},
-      {"least_probability", options.least_probability}, {"calibrate", options_json(options.calibrate)}};
+      {"reading", reading_json(options.read)},         {"sketch", options_json(options.sketch)},
+      {"match", options_json(options.match)},          {"starts", options_json(options.starts)},
+      {"infer", options_json(options.infer)},          {"bottom_up", options.bottom_up},
+      {"curve_events", options.curve_events},          {"sample", options.sample},
+      {"least_probability", options.least_probability}};
   Json per_frame = per_frame_json(motion, found.events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);
@@ -232,7 +217,6 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   if (!options.bottom_up) summary["events"].update(certainty_json(found.all_events));
   summary["events"]["cuts"] = found.cuts;
   summary["model"] = motion_model_figures(found.model.motion);
-  summary["calibration"] = correction_json(found.model.correction);
   const auto& sharpening = found.model.sharpening;
   summary["model"]["blur_share"] = std::round(sharpening.blur_share * 1000) / 1000;
   summary["model"]["contrast_gain"] = std::round(sharpening.contrast_gain * 1000) / 1000;

@@ -137,7 +137,6 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
   check_options(options.match, "match");
   check_options(options.starts, "starts");
   check_options(options.infer, "infer");
-  check_options(options.calibrate, "calibrate");
   return options;
 }
 
@@ -172,7 +171,6 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
   settings->add("match", options.match);
   settings->add("starts", options.starts);
   settings->add("infer", options.infer);
-  settings->add("calibrate", options.calibrate);
 }
 
 void add_analyze(CLI::App& app, CommandLine& line) {

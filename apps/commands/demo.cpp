@@ -13,7 +13,6 @@
 #include "core/io/clip_writer.hpp"
 #include "core/text/format_number.hpp"
 #include "graph/io/motion_io.hpp"
-#include "pipeline/rate_correction.hpp"
 
 namespace emberfold::apps {
 
@@ -66,7 +65,6 @@ void run_demo(const Demo& asked, Session& session) {
   // Reads the file rather than the clip in memory, as the printed command does.
   auto analysis = analyze_clip(output.staged("clip.avi").string(), options, output, session, truth,
                                "builtin:" + asked.clip);
-  pipeline::correct_rates(analysis.found.model, session.context);
   const auto source = open_clip(output.staged("clip.avi").string(), {}, {});
   add_model_clips(*source, options, analysis, output, session);
   finish_analysis(analysis, output, session);

@@ -60,8 +60,7 @@ Json model_json(const pipeline::ClipModel& model) {
               {"fps", motion.fps},
               {"learned_from_frames", motion.frames},
               {"parameters", pipeline::parameter_count(motion)},
-              {"methods", std::move(methods)},
-              {"rates_are_corrected", !model.correction.has_value()}};
+              {"methods", std::move(methods)}};
   out.update(motion_model_figures(motion));
   return out;
 }
@@ -91,8 +90,6 @@ std::string model_table(const Json& model) {
                                << " an arm";
   row("sway") << "SD " << model["sway"]["deviation"] << " px, largest growth " << model["sway"]["radius"];
   row("largest drift") << model["largest_drift"] << " px a frame";
-  row("rates") << (model["rates_are_corrected"] ? "corrected by clips drawn of it, or not to be"
-                                                : "to be corrected when strokes are first drawn");
   out << '\n';
   return out.str();
 }

@@ -24,14 +24,24 @@ bool is_unseen(const graph::Patch& patch) {
   return graph::on_step(patch) && patch.contrast == 0;
 }
 
+bool is_seen(const graph::Patch& a, const graph::Patch& b) {
+  return !(is_unseen(a) && is_unseen(b)) && !joins_outlines(a, b);
+}
+
+/// Returns the number of edges of a patch that are seen.
+std::size_t seen_edges(const graph::AttributeGraph& graph, std::size_t vertex) {
+  const auto others = graph.neighbours(vertex);
+  return static_cast<std::size_t>(std::ranges::count_if(
+      others, [&](const auto other) { return is_seen(graph.patch(vertex), graph.patch(other)); }));
+}
+
 /// Returns the parts of curves that are seen.
 std::vector<graph::Curve> seen_lines(const graph::AttributeGraph& graph) {
   std::vector<graph::Curve> lines;
   for (const graph::Curve& curve : graph::curves(graph)) {
     lines.emplace_back();
     for (const auto index : curve) {
-      if (!lines.back().empty() && is_unseen(graph.patch(index)) &&
-          is_unseen(graph.patch(lines.back().back())))
+      if (!lines.back().empty() && !is_seen(graph.patch(index), graph.patch(lines.back().back())))
         lines.emplace_back();
       lines.back().push_back(index);
     }
@@ -185,7 +195,7 @@ void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Plac
     if (graph.degree(i) == 0) {
       draw_disc(picture, at, 3.5, dark, cv::FILLED);
       draw_disc(picture, at, 2.5, tint, cv::FILLED);
-    } else if (graph.degree(i) >= 3) {
+    } else if (seen_edges(graph, i) >= 3) {
       draw_disc(picture, at, 4.5, dark, cv::FILLED);
       draw_disc(picture, at, 3.5, {255, 255, 255}, cv::FILLED);
       draw_disc(picture, at, 2, tint, cv::FILLED);

@@ -60,8 +60,8 @@ std::optional<RunKeys> run_keys(const std::string& clip, const std::string& revi
       hash({keys.stages.sketch, number, options_json(options.match).dump(),
             options_json(options.starts).dump(), options_json(options.infer).dump(),
             flags({options.bottom_up, options.curve_events, options.figures, options.sample})});
-  keys.stages.model = hash({keys.stages.motion, options_json(options.calibrate).dump(),
-                            std::to_string(options.least_probability), io::clip_identity(review)});
+  keys.stages.model =
+      hash({keys.stages.motion, std::to_string(options.least_probability), io::clip_identity(review)});
   keys.run = hash({keys.stages.model, clip, flags({options.reconstruction, options.jsonl})});
   return keys;
 }

@@ -2,18 +2,16 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include <opencv2/core.hpp>
 
 #include "core/clip/clip_range.hpp"
 #include "core/context.hpp"
 #include "core/error.hpp"
-#include "graph/events/events.hpp"
 #include "mcmc/learning/fit.hpp"
-#include "mcmc/simulation/event_statistics.hpp"
 #include "mcmc/simulation/predict.hpp"
 #include "mcmc/simulation/synthesize.hpp"
-#include "pipeline/calibration.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/comparison/compared_models.hpp"
@@ -74,20 +72,15 @@ double ground_numbers(const sketch::Background& ground) {
   return pixels + static_cast<double>(ground.levels.total()) * std::max(1, ground.levels.channels());
 }
 
-/// Prepares the fitted model for drawing, as `analyze` does: sharpening, then rates.
-void prepare_drawing(StrokeModel& strokes, mcmc::FitResult& fitted, const graph::MotionGraph& motion,
-                     const TrainingInput& input) {
+/// Prepares the learned model for drawing, as `analyze` does.
+void prepare_drawing(StrokeModel& strokes, const TrainingInput& input) {
   const core::Context& context = input.context;
-  const std::uint64_t seed = input.seed;
   core::ClipRange learned_part(input.source, 0, input.learned_frames);
   const double wanted = sketch::measure_clip_flank_gradient(
                             learned_part, first_frames(input.sketched.sketch, input.learned_frames), context)
                             .mean();
-  strokes.sharpening = fit_sharpening(fitted.model, strokes.drawn_ground, wanted, seed, context);
-  calibrate(fitted, mcmc::event_statistics(motion, graph::stroke_events(motion)),
-            {input.options.sketch, input.options.match, strokes.drawn_look()}, CalibrateOptions{}, seed,
-            context.with_progress({}));
-  strokes.drawn = fitted.model;
+  strokes.sharpening = fit_sharpening(strokes.model, strokes.drawn_ground, wanted, input.seed, context);
+  strokes.drawn = strokes.model;
 }
 
 }  // namespace
@@ -111,17 +104,17 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
   try {
     mcmc::FitOptions options;
     options.seed = input.seed;
-    options.calibrate = known.motion_model == nullptr;  // the correction serves drawing alone
+    options.calibrate = known.motion_model == nullptr;  // balanced rates serve drawing alone
     const auto motion =
         match_strokes(first_frames(sketch, input.learned_frames), input.options.match, context);
     auto fitted = mcmc::fit(motion, options, context);
     for (const auto& note : fitted.notes) context.warn("motion model: " + note);
-    strokes.model = fitted.model;
+    strokes.model = std::move(fitted.model);
     if (known.motion_model != nullptr)
       strokes.drawn = *known.motion_model,
       strokes.sharpening = known.sharpening != nullptr ? *known.sharpening : sketch::Sharpening{};
     else
-      prepare_drawing(strokes, fitted, motion, input);
+      prepare_drawing(strokes, input);
   } catch (const core::InputError& error) {
     context.warn(std::string("no motion model: ") + error.what());
     return nullptr;

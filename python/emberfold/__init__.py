@@ -12,7 +12,6 @@ pixels, x to the right and y down. Long calls leave the interpreter free and end
 from . import dytex, graph, mcmc, measures, rates, sketch
 from ._native import (
     AnalyzeOptions,
-    CalibrateOptions,
     Cancelled,
     ClipModel,
     ClipSynthesisOptions,
@@ -39,7 +38,7 @@ from .run import Run, analyze, read_run
 from .shown import show_compiled
 
 __all__ = [
-    "AnalyzeOptions", "CalibrateOptions", "Cancelled", "Clip", "ClipModel", "ClipSynthesisOptions", "CompareOptions",
+    "AnalyzeOptions", "Cancelled", "Clip", "ClipModel", "ClipSynthesisOptions", "CompareOptions",
     "Comparison", "ExtractOptions", "InferOptions", "InputError", "IoError", "MatchOptions", "ModelComparison",
     "MotionGraph", "MotionModel", "NumericalError", "OperatorRates", "QuiltOptions", "Run", "SketchSequence", "StartOptions", "analyze",
     "compare", "compare_models", "dytex", "graph", "mcmc", "measure_quilt", "measures", "open", "quilt", "rates", "read_run", "render_quilt",

@@ -16,7 +16,7 @@ FORMAT = "emberfold.python_run"
 NO_ORIGIN = {"x": 0., "y": 0., "time_s": 0., "origin": ""}
 STAGES = {"sketch": ("sketch",),
           "motion": ("seed", "match", "starts", "infer", "bottom_up", "curve_events", "figures", "sample"),
-          "model": ("calibrate", "least_probability")}  # what each depends on, in addition to the stages before it
+          "model": ("least_probability",)}  # what each depends on, in addition to the stages before it
 
 
 def _hash(*parts: Any) -> str:

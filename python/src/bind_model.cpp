@@ -12,7 +12,6 @@
 #include "pipeline/clip_synthesis.hpp"
 #include "pipeline/edit_model.hpp"
 #include "pipeline/parameter_count.hpp"
-#include "pipeline/rate_correction.hpp"
 #include "python/src/archives.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
@@ -33,14 +32,9 @@ py::array synthesize(const HeldModel& given, int frames, const py::object& progr
   auto how = py::type::of<pipeline::ClipSynthesisOptions>()(**options).cast<pipeline::ClipSynthesisOptions>();
   if (!how.method && given.is_changed()) how.method = pipeline::SynthesisMethod::diffusion;
   // A copy, since the model's rates may be changed by another thread meanwhile.
-  ClipModel model = static_cast<const ClipModel&>(given);
+  const ClipModel model = static_cast<const ClipModel&>(given);
   mcmc::validate(model.motion);
   if (const auto why = pipeline::why_undrawable(model.motion); !why.empty()) throw core::InputError(why);
-  const auto usual =
-      model.footage ? pipeline::SynthesisMethod::footage : pipeline::SynthesisMethod::diffusion;
-  if (how.method.value_or(usual) == pipeline::SynthesisMethod::diffusion)
-    run_interruptibly(progress,
-                      [&](const core::Context& context) { pipeline::correct_rates(model, context); });
   const auto info = pipeline::ClipSynthesis(model, how).info();
   FrameArray out(frames, info.height, info.width, info.channels, CV_8U);
   run_interruptibly(progress, [&](const core::Context& context) {
@@ -140,7 +134,6 @@ void bind_uses(py::class_<HeldModel>& model) {
       .def_property_readonly(
           "rates",
           [](HeldModel& m) -> mcmc::OperatorRates& {
-            m.correct();  // before someone changes them
             m.remember();
             return m.motion.rates;
           },

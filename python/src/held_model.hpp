@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "pipeline/clip_model.hpp"
-#include "pipeline/rate_correction.hpp"
 
 namespace emberfold::python {
 
@@ -20,12 +19,6 @@ struct HeldModel : pipeline::ClipModel {
   [[nodiscard]] bool is_changed() const { return learned && *learned != motion; }
   void remember() {
     if (!learned) learned = std::make_shared<const mcmc::MotionModel>(motion);
-  }
-  void correct() {
-    if (!correction) return;
-    const bool changed = is_changed();
-    pipeline::correct_rates(*this);
-    if (!changed) learned.reset();
   }
 };
 

@@ -12,4 +12,4 @@ from scenes import bars  # noqa: E402
 @pytest.fixture(scope="session")
 def run():
     """One analysis for the tests that change nothing of it."""
-    return ef.analyze(ef.open(bars(), fps=30, pixel_size=0.065), calibrate={"calibrate": 0})
+    return ef.analyze(ef.open(bars(), fps=30, pixel_size=0.065))

@@ -34,9 +34,9 @@ def test_a_stage_is_not_done_again(tmp_path):
     assert "sketch" in begun
     again, second = stages_of(clip, tmp_path / "a", quality="draft")
     assert not again and second == first and second.events.equals(first.events) and second.model == first.model
-    other, third = stages_of(clip, tmp_path / "a", calibrate={"calibrate": 0})  # other events, of the same sketches
+    other, third = stages_of(clip, tmp_path / "a")  # other events, of the same sketches
     assert other and "sketch" not in other
-    assert third == ef.analyze(clip, calibrate={"calibrate": 0})
+    assert third == ef.analyze(clip)
     assert "sketch" in stages_of(bars(10, seed=3), tmp_path / "a", quality="draft")[0]
 
 
@@ -50,11 +50,11 @@ def test_a_run_that_was_broken_off_goes_on(tmp_path):
             raise LookupError("enough")
 
     with pytest.raises(LookupError):
-        ef.analyze(clip, out=tmp_path / "a", progress=stop, calibrate={"calibrate": 0})
+        ef.analyze(clip, out=tmp_path / "a", progress=stop)
     with pytest.raises(ef.IoError, match="broken off"):
         ef.read_run(tmp_path / "a")
-    stages, run = stages_of(clip, tmp_path / "a", calibrate={"calibrate": 0})
-    assert done and "sketch" not in stages and run == ef.analyze(clip, calibrate={"calibrate": 0})
+    stages, run = stages_of(clip, tmp_path / "a")
+    assert done and "sketch" not in stages and run == ef.analyze(clip)
 
 
 def test_a_run_is_read_from_its_folder(tmp_path):
@@ -74,7 +74,7 @@ def test_answers_of_a_review_are_facts(run, tmp_path):
     asked["answer"] = [False] + [None] * (len(asked) - 1)
     asked.loc[len(asked)] = {**asked.iloc[0].to_dict(), "frame": 5, "x": 100.0, "y": 80.0, "type": "birth", "answer": "added",
                              "before": (), "after": ()}
-    told = ef.analyze(clip, calibrate={"calibrate": 0}, review=asked)
+    told = ef.analyze(clip, review=asked)
     first = run.all_events.iloc[0]
     same = told.all_events.query("frame == @first.frame and x == @first.x and y == @first.y")
     assert list(same["probability"]) == [0]
@@ -86,7 +86,7 @@ def test_answers_of_a_review_are_facts(run, tmp_path):
         entry["answer"] = "yes"
     entries["format"] = "emberfold.review"
     path.write_text(json.dumps(entries))
-    sure = ef.analyze(clip, calibrate={"calibrate": 0}, review=path)
+    sure = ef.analyze(clip, review=path)
     assert (sure.all_events["probability"] == 1).all() and len(sure.all_events) == len(run.all_events)
     assert len(ef.graph.score_events(path, sure.events)) and (ef.graph.score_events(path, sure.events)["f1"] == 1).all()
     with pytest.raises(ValueError, match="review has no column 'answer'"):

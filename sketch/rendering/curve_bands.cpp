@@ -72,6 +72,7 @@ std::vector<Band> make_bands(const graph::AttributeGraph& graph) {
     for (const std::size_t j : graph.neighbours(i)) {
       if (j < i) continue;
       const graph::Patch &a = graph.patch(i), &b = graph.patch(j);
+      if (joins_outlines(a, b)) continue;
       const graph::Point step = b.position - a.position;
       Band band;
       band.origin = a.position;

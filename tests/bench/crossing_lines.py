@@ -62,7 +62,7 @@ def main():
         truth = scene(seed, out / f"frames_{seed}")
         run = out / f"run_{seed}"
         subprocess.run([program, "analyze", out / f"frames_{seed}", "-o", run, "--bottom-up", "--no-edges", "--fps", "25",
-                        "--set", "calibrate.calibrate=0", "--overwrite", "-q"], check=True)
+                        "--overwrite", "-q"], check=True)
         for key, rows in figures.items():
             rows.append(kept(truth, run / "motion.jsonl", key))
     for key, rows in figures.items():

@@ -94,7 +94,7 @@ def main():
             def run(*words):
                 subprocess.run([binary, *map(str, words), "-q"], cwd=folder, check=True, stderr=subprocess.DEVNULL)
             write(Path(folder) / "learned.avi", frames if whole else frames[:half], fps)
-            run("analyze", "learned.avi", "-o", "run", "--bottom-up", "--set", "calibrate.calibrate=0")
+            run("analyze", "learned.avi", "-o", "run", "--bottom-up")
             run("synth", "run/model", "-o", "footage.avi", "--frames", len(frames))
             drawn = {"footage": read(Path(folder) / "footage.avi")[0]}
             if not whole:

@@ -38,7 +38,7 @@ def write_clip(picture, path, frames, sway, noise, rng):
 
 
 def count_events(program, clip, out, options):
-    command = [program, "analyze", str(clip), "-o", str(out), "-q", "--set", "calibrate.calibrate=0", *options]
+    command = [program, "analyze", str(clip), "-o", str(out), "-q", *options]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     events = json.loads((out / "events.json").read_text())["events"]
     return len(events), sum(e["probability"] >= 0.9 for e in events)

@@ -42,7 +42,7 @@ def prepare(spec, out):
 
 def analysed(binary, clip, folder):
     if not (folder / "summary.json").exists():
-        run(binary, "analyze", clip, "-o", folder, "--bottom-up", "--set", "calibrate.calibrate=0", "-q")
+        run(binary, "analyze", clip, "-o", folder, "--bottom-up", "-q")
     return folder
 
 

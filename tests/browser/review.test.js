@@ -37,7 +37,7 @@ before(async () => {
     args: ["--no-sandbox"],
   });
   run = join(folder, "run");
-  emberfold("analyze", "builtin:fire", "-o", run, "--scale", "0.6", "--range", "0:40", "--set", "calibrate.calibrate=0", "-q");
+  emberfold("analyze", "builtin:fire", "-o", run, "--scale", "0.6", "--range", "0:40", "-q");
 });
 after(async () => {
   await browser?.close();
@@ -108,7 +108,7 @@ describe("review", () => {
 
     // analyze takes the answers as facts, score as truth
     const to = join(folder, "reviewed");
-    emberfold("analyze", "builtin:fire", "-o", to, "--scale", "0.6", "--range", "0:40", "--set", "calibrate.calibrate=0", "-q", "--review", file);
+    emberfold("analyze", "builtin:fire", "-o", to, "--scale", "0.6", "--range", "0:40", "-q", "--review", file);
     const summary = JSON.parse(readFileSync(join(to, "summary.json"), "utf8"));
     assert.deepEqual([summary.review.yes, summary.review.no, summary.review.other, summary.review.unmatched], [1, 1, 1, 0]);
     const told = JSON.parse(readFileSync(join(to, "events_all.json"), "utf8")).events;

@@ -22,3 +22,19 @@ TEST_CASE("Orientations have no sense and are never farther apart than a right a
   CHECK_THAT(graph::orientation_difference(0.3, 0.3 + 7 * pi + 0.2), test::WithinAbs(0.2, 1e-9));
   CHECK_THAT(graph::orientation_difference(0, pi / 2), test::WithinAbs(pi / 2, 1e-12));
 }
+
+TEST_CASE("An edge joins outlines where neither step runs along it", "[graph][patch]") {
+  constexpr double pi = std::numbers::pi;
+  graph::Patch a, b;
+  a.position = {10, 10}, b.position = {10, 30};
+  const auto joins = [&](double theta_a, double theta_b) {
+    a.theta = theta_a, b.theta = theta_b;
+    return graph::joins_outlines(a, b) && graph::joins_outlines(b, a);
+  };
+  CHECK(joins(0, pi));
+  CHECK(joins(0.6, -0.6));
+  CHECK_FALSE(joins(0, pi / 2));
+  CHECK_FALSE(joins(0.8, 0.8));
+  b.width = 2;  // a line
+  CHECK_FALSE(joins(0, 0));
+}

@@ -61,9 +61,7 @@ Most analyze_clip(int frames) {
   };
   const core::Context context = core::Context({}, sample).with_memory(memory);
   const pipeline::AnalysisStages stages(temp / "run", {"sketch", "motion", "model"});
-  pipeline::AnalyzeOptions options;
-  options.calibrate.calibrate = 0;
-  const auto found = pipeline::analyze(source, options, context, &stages);
+  const auto found = pipeline::analyze(source, {}, context, &stages);
   for (const auto& graph : found.motion.sketch.frames) most.patches += graph.size();
   return most;
 }

@@ -15,7 +15,7 @@ using namespace emberfold::test;
 
 namespace {
 
-const std::vector<std::string> kQuick{"--bottom-up", "--set", "calibrate.calibrate=0"};
+const std::vector<std::string> kQuick{"--bottom-up"};
 
 /// Two clips in one group, one in another, and a file that is none.
 void make_clips(const TempFolder& temp) {

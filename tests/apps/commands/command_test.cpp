@@ -112,8 +112,7 @@ TEST_CASE("analyze writes everything it names, each readable and in agreement") 
 TEST_CASE("analyze tells the events of curves where asked, and figures of the network in each frame") {
   const TempFolder temp;
   const auto clip = write_clip(temp / "clip", 160, 120, 12);
-  REQUIRE(run_command({"analyze", clip, "-o", (temp / "out").string(), "--bottom-up", "--curve-events", "-q",
-                       "--set", "calibrate.calibrate=0"})
+  REQUIRE(run_command({"analyze", clip, "-o", (temp / "out").string(), "--bottom-up", "--curve-events", "-q"})
               .exit == 0);
   std::ifstream motion_file(temp / "out/motion.jsonl"), events_file(temp / "out/events.json");
   const auto motion = graph::read_motion(motion_file, "motion.jsonl");
@@ -310,8 +309,8 @@ TEST_CASE("help lists what --set takes, with defaults and ranges, and the option
   const auto all = run_command({"help", "options"});
   CHECK(all.exit == 0);
   for (const char* name :
-       {"sketch.spacing", "match.max_motion", "starts.chains", "infer.sweeps", "calibrate.calibrate",
-        "learn.components", "compare.steps", "synth.births", "quilt.overlap", "control.jitter"})
+       {"sketch.spacing", "match.max_motion", "starts.chains", "infer.sweeps", "learn.components",
+        "compare.steps", "synth.births", "quilt.overlap", "control.jitter"})
     CHECK(contains(all.out, std::string("\n  ") + name + " "));
   for (const char* own : {"sketch.sensitivity", "sketch.edges", "compare.frames", "score.frames"})
     CHECK_FALSE(contains(all.out, own));

@@ -31,8 +31,7 @@ struct LearnedClip {
     writer->finish();
     clip = (temp / "clip").string();
     model = (temp / "a/model").string();
-    const auto result =
-        run_command({"analyze", clip, "-o", (temp / "a").string(), "-q", "--set", "calibrate.calibrate=0"});
+    const auto result = run_command({"analyze", clip, "-o", (temp / "a").string(), "-q"});
     INFO(result.err);
     REQUIRE(result.exit == 0);
   }

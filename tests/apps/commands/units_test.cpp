@@ -69,10 +69,9 @@ TEST_CASE(
   const auto clip = temp / "clip.mkv";
   write_uneven_birth(clip);
   const auto birth = [&](const char* out, const std::vector<std::string>& more) {
-    const auto result =
-        run_command(joined({"analyze", clip.string(), "-o", (temp / out).string(), "-q", "--bottom-up",
-                            "--set", "calibrate.calibrate=0", "--pixel-size", "2um"},
-                           more));
+    const auto result = run_command(joined(
+        {"analyze", clip.string(), "-o", (temp / out).string(), "-q", "--bottom-up", "--pixel-size", "2um"},
+        more));
     INFO(result.err);
     REQUIRE(result.exit == 0);
     auto row = row_where(temp / out / "events.csv", "type", "birth");
@@ -121,10 +120,9 @@ TEST_CASE("rates and lives are told in seconds and lengths where these are known
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip", {120, 90}, 16, 8);
   const auto run = [&](const std::string& out, const std::vector<std::string>& more) {
-    REQUIRE(run_command(joined({"analyze", clip, "-o", (temp / out).string(), "-q", "--bottom-up", "--set",
-                                "calibrate.calibrate=0"},
-                               more))
-                .exit == 0);
+    REQUIRE(
+        run_command(joined({"analyze", clip, "-o", (temp / out).string(), "-q", "--bottom-up"}, more)).exit ==
+        0);
     return summary_of(temp / out);
   };
   const Json plain = run("plain", {}), known = run("known", {"--fps", "4", "--pixel-size", "10um"});

@@ -93,6 +93,26 @@ TEST_CASE("a curve is drawn in its stroke's colour, where it lies") {
   CHECK(distance(at({60, 20}), ground) < 2);
 }
 
+TEST_CASE("outlines along the border, and what only joins outlines, are not drawn") {
+  const auto step = [](std::uint32_t id, double x, double y, double contrast) {
+    graph::Vertex v = vertex(id, x, y, 7);
+    v.patch.width = 0, v.patch.contrast = contrast;
+    return v;
+  };
+  const graph::AttributeGraph graph({step(0, 10, 20, 40), step(1, 40, 20, 40), step(2, 70, 20, 40),
+                                     step(3, 40, 40, 40), step(4, 10, 1, 0), step(5, 70, 1, 0)},
+                                    {{{0}, {1}}, {{1}, {2}}, {{1}, {3}}, {{4}, {5}}});
+  const cv::Mat frame(60, 80, CV_8UC3, cv::Scalar(60, 60, 60));
+  const cv::Mat picture = draw_sketch(frame, graph);
+  const Placement place{enlargement(frame.size(), 480), {}};
+  const auto at = [&](graph::Point p) {
+    return picture.at<cv::Vec3b>(cv::Point(cvRound(place(p).x), cvRound(place(p).y)));
+  };
+  const Colour ground{47, 47, 47};  // 0.78 of 60
+  CHECK(distance(at({25, 20}), stroke_colour(7)) < 8);
+  for (const graph::Point p : {graph::Point{40, 30}, {40, 1}, {10, 1}}) CHECK(distance(at(p), ground) < 2);
+}
+
 TEST_CASE("an event's mark is there from its frame on for six frames, fading, and only near its place") {
   const cv::Mat frame(240, 320, CV_8UC3, cv::Scalar(50, 50, 50));
   const std::vector<graph::Event> events{event(10, graph::EventType::merge, {100, 100})};

@@ -269,6 +269,39 @@ TEST_CASE("A stroke continues where its end and its beginning are not believed",
     }
 }
 
+TEST_CASE("Of pieces far apart the one that goes on stays", "[graph][believed_graph]") {
+  // The first patches of a line and its last ones, three and four in turns.
+  const auto line = test::segment({50, 100}, {160, 100}, 12);
+  std::vector<graph::AttributeGraph> frames;
+  std::vector<Pairs> links;
+  std::vector<std::uint32_t> shown(12);
+  for (std::uint32_t v = 0; v < 12; ++v) shown[v] = v;
+  test::Frame whole;
+  whole.line(line);
+  frames.push_back(whole.graph());
+  for (std::uint32_t t = 1; t < 6; ++t) {
+    const std::uint32_t first = 3 + t % 2, last = 7 - first;
+    test::Frame apart;
+    apart.line({line.begin(), line.begin() + first});
+    apart.line({line.end() - last, line.end()});
+    std::vector<std::uint32_t> now;
+    for (std::uint32_t v = 0; v < 12; ++v)
+      if (v < first || v >= 12 - last) now.push_back(v);
+    links.emplace_back();
+    for (std::uint32_t i = 0; i < shown.size(); ++i)
+      for (std::uint32_t j = 0; j < now.size(); ++j)
+        if (shown[i] == now[j]) links.back().push_back({i, j});
+    frames.push_back(apart.graph());
+    shown = now;
+  }
+  auto motion = graph::identify(test::motion(frames, links));
+  auto events = events_of(motion, {0});
+  graph::keep_believed(motion, events, {}, 0.5);
+  CHECK(graph::stroke_events(motion).empty());
+  for (std::size_t t = 1; t < 6; ++t)
+    for (const auto& vertex : motion.sketch.frames[t].vertices()) CHECK(vertex.patch.position.x < 100);
+}
+
 TEST_CASE("Pieces of a large thing are joined over any gap", "[graph][believed_graph]") {
   std::vector<graph::AttributeGraph> frames;
   for (int t = 0; t < 3; ++t) {

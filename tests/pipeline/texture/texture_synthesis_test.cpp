@@ -71,7 +71,7 @@ std::vector<cv::Mat> draw(pipeline::ClipSynthesis& synthesis, int count) {
   return frames;
 }
 
-bool equal(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
+bool same_frames(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i)
     if (a[i].type() != b[i].type() || cv::norm(a[i], b[i], cv::NORM_INF) != 0) return false;
@@ -103,11 +103,11 @@ TEST_CASE("a texture of footage is the same at any number of threads and calls, 
   }();
   const auto rest = draw(parts, 17);
   first.insert(first.end(), rest.begin(), rest.end());
-  CHECK(equal(frames, first));
+  CHECK(same_frames(frames, first));
   whole.rewind();
-  CHECK(equal(frames, draw(whole, 24)));
+  CHECK(same_frames(frames, draw(whole, 24)));
   pipeline::ClipSynthesis other(model, {.seed = 4, .method = SynthesisMethod::texture});
-  CHECK_FALSE(equal(frames, draw(other, 24)));
+  CHECK_FALSE(same_frames(frames, draw(other, 24)));
 }
 
 TEST_CASE("a texture of footage refuses what it cannot do") {

@@ -25,6 +25,17 @@ TEST_CASE("A patch without edges is drawn 2.5 px to both sides, a blob or an anc
   }
 }
 
+TEST_CASE("What only joins the outlines of a thing is no band") {
+  Frame frame;
+  frame.line({{20, 50}, {26, 50}, {32, 50}});
+  frame.line({{20, 70}, {26, 70}, {32, 70}});
+  frame.edge(1, 4);
+  for (const double width : {0.0, 2.0}) {
+    for (auto& vertex : frame.vertices) vertex.patch.width = width;
+    CHECK(sketch::make_bands(frame.graph()).size() == (width > 0 ? 5 : 4));
+  }
+}
+
 TEST_CASE("Bands are rounded at bends and junctions, not where a curve goes on nor at its tips") {
   Frame frame;
   frame.line({{20, 50}, {26, 50}, {32, 50}, {32, 56}, {32, 62}});  // a right angle at 2
