@@ -154,7 +154,8 @@ TEST_CASE("A stroke is there with both of its ends, or not at all", "[graph][bel
       CHECK((sizes(settled) == kSevenEach) != is_there);
       for (const auto& event : events) CHECK((event.probability >= 0.5) == is_there);
       if (is_there && birth >= 0.5 && death >= 0.5) CHECK(events[0].probability == birth);
-      if (is_there && birth < 0.5) CHECK_THAT(events[0].probability, WithinAbs(odds / (1 + odds), 1e-12));
+      if (is_there && birth < 0.5)
+        CHECK_THAT(events[0].probability, test::WithinAbs(odds / (1 + odds), 1e-12));
       CHECK(graph::stroke_events(settled).size() == (is_there ? 2 : 0));
     }
   // What a review says stays.
