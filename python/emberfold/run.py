@@ -280,7 +280,7 @@ def analyze(clip: ClipLike, *, quality: str = "normal", progress: Progress = Non
             out: Union[None, str, "os.PathLike[str]"] = None, **options: Any) -> Run:
     """Finds strokes, their events and their model in a clip.
 
-    quality: "draft" takes the match as it is, every event has probability 1; "normal"
+    quality: "draft" keeps every event of the match, with probability 1; "normal"
     weighs events by what the images show. Other arguments are the fields of AnalyzeOptions; groups of them are dicts: sketch={"sensitivity": 0.5}. review: a review.json, or a table with the columns of
     `events` and `answer` (True, False, another type, "added" or nothing): answers are taken as facts.
     progress: True for a line on standard error, or a function of stage and share. out: a folder that keeps what each stage

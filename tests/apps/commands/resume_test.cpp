@@ -137,7 +137,7 @@ TEST_CASE("the least probability decides what is reported, and the clip is not r
                  {"--least-probability is 1.5", "0 to 1"}, temp / "no");
 }
 
-TEST_CASE("the model of a run that is drawn from stays as it is") {
+TEST_CASE("drawing from a run does not change its model") {
   const TempFolder temp;
   const auto clip = write_strokes(temp / "clip.avi", {120, 90}, 12, 8);
   REQUIRE(run_command({"analyze", clip, "-o", (temp / "run").string(), "-q", "--bottom-up"}).exit == 0);

@@ -270,7 +270,7 @@ TEST_CASE("A stroke continues where its end and its beginning are not believed",
     }
 }
 
-TEST_CASE("Of pieces far apart the one that goes on stays", "[graph][believed_graph]") {
+TEST_CASE("Of pieces far apart the one that continues the frame before stays", "[graph][believed_graph]") {
   // The first patches of a line and its last ones, three and four in turns.
   const auto line = test::segment({50, 100}, {160, 100}, 12);
   std::vector<graph::AttributeGraph> frames;

@@ -15,6 +15,7 @@
 #include "pipeline/carried/carried_play.hpp"
 #include "tests/pipeline/carried/carried_scene.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/drawn_frames.hpp"
 #include "tests/support/messages.hpp"
 
 using namespace emberfold;
@@ -24,12 +25,6 @@ using pipeline::CarriedSynthesis;
 using pipeline::CarriedSynthesisOptions;
 
 namespace {
-
-std::vector<cv::Mat> draw(CarriedSynthesis& synthesis, int count) {
-  std::vector<cv::Mat> frames;
-  synthesis.each(count, [&](cv::Mat frame) { frames.push_back(std::move(frame)); });
-  return frames;
-}
 
 mcmc::MotionEdit times(EventType type, double factor) {
   mcmc::MotionEdit edit;
@@ -399,14 +394,10 @@ TEST_CASE("carried strokes: the same bytes at any number of threads, and others 
     std::ranges::move(draw(synthesis, 33), std::back_inserter(frames));
     return frames;
   };
-  const auto equal = [](const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
-    return std::ranges::equal(
-        a, b, [](const cv::Mat& x, const cv::Mat& y) { return cv::norm(x, y, cv::NORM_L1) == 0; });
-  };
   const auto one = drawn(1, 1);
-  CHECK(equal(one, drawn(2, 1)));
-  CHECK(equal(one, drawn(8, 1)));
-  CHECK_FALSE(equal(one, drawn(2, 2)));
+  CHECK(same_frames(one, drawn(2, 1)));
+  CHECK(same_frames(one, drawn(8, 1)));
+  CHECK_FALSE(same_frames(one, drawn(2, 2)));
 }
 
 TEST_CASE("carried strokes: clips without strokes, backwards, and what cannot be carried") {

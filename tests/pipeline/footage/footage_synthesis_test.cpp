@@ -15,6 +15,7 @@
 #include "core/parallel.hpp"
 #include "core/rng.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/drawn_frames.hpp"
 #include "tests/support/messages.hpp"
 
 using namespace emberfold;
@@ -46,21 +47,10 @@ std::vector<cv::Mat> travelling_waves(int frames, int channels = 1) {
   return clip;
 }
 
-std::vector<cv::Mat> draw(FootageSynthesis& synthesis, int count) {
-  std::vector<cv::Mat> frames;
-  synthesis.each(count, [&](cv::Mat frame) { frames.push_back(std::move(frame)); });
-  return frames;
-}
-
 std::vector<cv::Mat> draw(const std::vector<cv::Mat>& footage, const FootageSynthesisOptions& options,
                           int count) {
   FootageSynthesis synthesis(footage, options);
-  return draw(synthesis, count);
-}
-
-bool equal(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
-  return std::ranges::equal(
-      a, b, [](const cv::Mat& x, const cv::Mat& y) { return cv::norm(x, y, cv::NORM_L1) == 0; });
+  return test::draw(synthesis, count);
 }
 
 /// Displacement to the right from a frame to the next, px, by the phase of the travelling_waves' first
@@ -131,7 +121,7 @@ TEST_CASE("footage synthesis: speed and direction are those asked for") {
 TEST_CASE("footage synthesis: a loop repeats itself to the byte") {
   const auto footage = travelling_waves(60);
   const auto frames = draw(footage, {.seed = 2, .speed = GENERATE(1.0, -1.0), .loop = 40}, 80);
-  CHECK(equal({frames.begin(), frames.begin() + 40}, {frames.begin() + 40, frames.end()}));
+  CHECK(same_frames({frames.begin(), frames.begin() + 40}, {frames.begin() + 40, frames.end()}));
   // The last frame leads to the first one as each to the next.
   const auto at = [&](std::size_t t) { return step(frames[t - 1], frames[t], 24); };
   CHECK(std::abs(at(40) - (at(39) + at(41)) / 2) < 0.3);
@@ -158,9 +148,9 @@ TEST_CASE("footage synthesis: the same bytes at any number of threads and of cal
     FootageSynthesis synthesis(footage, {.seed = 7});
     auto some = draw(synthesis, 7);
     for (auto& frame : draw(synthesis, 33)) some.push_back(frame);
-    CHECK(equal(all, some));
+    CHECK(same_frames(all, some));
   }
-  CHECK_FALSE(equal(all, draw(footage, {.seed = 8}, 40)));
+  CHECK_FALSE(same_frames(all, draw(footage, {.seed = 8}, 40)));
 }
 
 TEST_CASE("footage synthesis: what motion does not explain is not stretched, but played side by side") {
@@ -198,8 +188,8 @@ TEST_CASE("footage synthesis: a loop of plays side by side repeats itself to the
   FootageSynthesis synthesis(noise, {.seed = 2, .loop = 24});
   REQUIRE(synthesis.plays() == 3);
   const auto frames = draw(synthesis, 72);
-  CHECK(equal({frames.begin(), frames.begin() + 24}, {frames.begin() + 24, frames.begin() + 48}));
-  CHECK(equal({frames.begin(), frames.begin() + 24}, {frames.begin() + 48, frames.end()}));
+  CHECK(same_frames({frames.begin(), frames.begin() + 24}, {frames.begin() + 24, frames.begin() + 48}));
+  CHECK(same_frames({frames.begin(), frames.begin() + 24}, {frames.begin() + 48, frames.end()}));
 }
 
 TEST_CASE("footage synthesis: short and still footages give clips, too") {

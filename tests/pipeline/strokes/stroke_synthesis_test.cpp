@@ -10,28 +10,14 @@
 #include "pipeline/strokes/stroke_strips.hpp"
 #include "tests/pipeline/carried/carried_scene.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/drawn_frames.hpp"
 #include "tests/support/messages.hpp"
 
 using namespace emberfold;
 using namespace emberfold::test;
 using pipeline::StrokeSynthesis;
 
-namespace {
-
-std::vector<cv::Mat> draw(StrokeSynthesis& synthesis, int count) {
-  std::vector<cv::Mat> frames;
-  synthesis.each(count, [&](cv::Mat frame) { frames.push_back(std::move(frame)); });
-  return frames;
-}
-
-bool equal(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
-  if (a.size() != b.size()) return false;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i].type() != b[i].type() || cv::norm(a[i], b[i], cv::NORM_INF) != 0) return false;
-  return true;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("strokes that live again: lines are as bright as in the clip, on its ground") {
   const auto scene = carried_scene(60, GENERATE(1, 3));
@@ -70,9 +56,9 @@ TEST_CASE("strokes that live again: the same frames at any number of threads and
   }();
   const auto rest = draw(parts, 17);
   first.insert(first.end(), rest.begin(), rest.end());
-  CHECK(equal(frames, first));
+  CHECK(same_frames(frames, first));
   StrokeSynthesis other(scene.frames, scene.strokes, {4});
-  CHECK(!equal(frames, draw(other, 24)));
+  CHECK(!same_frames(frames, draw(other, 24)));
 }
 
 TEST_CASE("strokes that live again: backwards, lives run from their end to their beginning") {

@@ -13,6 +13,7 @@
 #include "pipeline/clip_synthesis.hpp"
 #include "pipeline/footage/footage.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/drawn_frames.hpp"
 #include "tests/support/drawn_models.hpp"
 #include "tests/support/messages.hpp"
 
@@ -64,19 +65,6 @@ struct OverTime {
     cv::sqrt(squares - sum.mul(sum), deviation);
   }
 };
-
-std::vector<cv::Mat> draw(pipeline::ClipSynthesis& synthesis, int count) {
-  std::vector<cv::Mat> frames;
-  synthesis.each(count, [&](cv::Mat frame) { frames.push_back(std::move(frame)); });
-  return frames;
-}
-
-bool same_frames(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
-  if (a.size() != b.size()) return false;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i].type() != b[i].type() || cv::norm(a[i], b[i], cv::NORM_INF) != 0) return false;
-  return true;
-}
 
 }  // namespace
 
