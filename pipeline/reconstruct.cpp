@@ -19,8 +19,10 @@ sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGra
                                          : sketch::draw_pixels(graph, levels);
 }
 
-graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const sketch::Sketchable& drawn,
-                                  const cv::Mat& levels, double share) {
+graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const cv::Mat& levels,
+                                  PatchDrawing drawing, double share) {
+  sketch::Sketchable drawn = sketch::draw_cores(graph, levels.size(), levels.channels());
+  if (drawing == PatchDrawing::pixels) levels.copyTo(drawn.levels, drawn.mask);
   const auto pixels = static_cast<double>(levels.total());
   // The small number keeps shares that are whole pixels whole.
   const double room = std::floor(share * pixels + 1e-9) - cv::countNonZero(drawn.mask);

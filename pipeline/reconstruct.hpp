@@ -31,10 +31,10 @@ Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& g
 sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,
                                 PatchDrawing drawing);
 
-/// Adds anchors to a frame's graph where the diffusion needs them most, given what is `drawn` of it. Together
-/// they show at most `share` (0…1) of the frame; adds none where the drawing already shows that much.
-graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const sketch::Sketchable& drawn,
-                                  const cv::Mat& levels, double share);
+/// Adds anchors to a frame's graph where the diffusion needs them most beside the cores of its patches.
+/// Together they show at most `share` (0…1) of the frame; adds none where the cores already show that much.
+graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const cv::Mat& levels,
+                                  PatchDrawing drawing, double share);
 
 /// Fills the frame around what is drawn of its graph. Throws core::Cancelled.
 Reconstruction reconstruct(const cv::Mat& levels, const sketch::Sketchable& drawn,

@@ -25,7 +25,7 @@ struct Sketch {
   Reading reading;
   std::string output, evidence, patches = "fitted", fill = "diffusion";
   SketchRequest request;
-  bool own_budget = false, own_regions = false;
+  bool own_regions = false;
 };
 
 // Only names that the parser accepts arrive here.
@@ -60,8 +60,10 @@ SketchRequest check_request(const Sketch& asked, const io::ReadOptions& read, co
                std::to_string(texture.most));
   if (asked.own_regions && request.ground.kind == sketch::FillMethod::diffusion)
     throw Misuse("--regions is for --fill julesz or efros-leung; the diffusion knows no textures");
-  // Measured to be the best split between patches and anchors.
-  if (request.anchors > 0 && !asked.own_budget) request.extract.budget = request.anchors / 4;
+  if (!(request.anchors >= 0 && request.anchors <= 1))
+    refuse("--anchors", number_text(request.anchors), "0 (none) to 1, a share of the frame");
+  // A texture is drawn where nothing is held.
+  if (request.ground.kind != sketch::FillMethod::diffusion && !request.keep_anchors) request.anchors = 0;
   if (request.heat_frame && *request.heat_frame < 0)
     refuse("--heat-film", std::to_string(*request.heat_frame), "a frame's number, from 0");
   return request;
@@ -175,20 +177,6 @@ void run_sketch(const Sketch& asked, Session& session) {
   if (session.common.json) session.print(json_text(summary));
 }
 
-// Parses a share; the option's value may be omitted.
-void parse_anchors(const std::string& text, double& share) {
-  constexpr double kUsual = 0.2;
-  share = kUsual;
-  if (text.empty()) return;
-  try {
-    parse_number("--anchors", text, share);
-  } catch (const Misuse&) {
-    throw Misuse("--anchors: '" + text +
-                 "' is not a number; without a share, an option or nothing may follow");
-  }
-  if (!(share >= 0 && share <= 1)) refuse("--anchors", text, "0 (none) to 1, a share of the frame");
-}
-
 void add_drawing(CLI::App& command, Sketch& asked) {
   auto& request = asked.request;
   command
@@ -204,12 +192,8 @@ void add_drawing(CLI::App& command, Sketch& asked) {
       ->default_str(asked.fill);
   add_number(command, "--regions", request.ground.texture.regions, "N",
              "Use 3 to 7 textures with julesz and efros-leung; 0: as many as fit best");
-  command
-      .add_option_function<std::string>(
-          "--anchors", [&request](const std::string& text) { parse_anchors(text, request.anchors); },
-          "Keep pixels that the diffusion needs: patches and pixels cover SHARE, 0.2")
-      ->type_name("[SHARE]")
-      ->expected(0, 1);
+  add_number(command, "--anchors", request.anchors, "SHARE",
+             "Hold pixels beside strokes, SHARE of the frame in all; if given, in sketch.jsonl");
   command.add_flag("--film", request.film,
                    "Write film.mp4, film.png: input, graph, sketchable part, reconstruction");
   command
@@ -230,7 +214,7 @@ void add_sketch(CLI::App& app, CommandLine& line) {
   auto* command =
       add_command(app, "sketch", "Extract the primal sketch of every frame, and draw the frame from it", R"(
   emberfold sketch photo.png -o out/photo --patches pixels
-  emberfold sketch fire.mp4 -o out/film --anchors --film --heat-film 40
+  emberfold sketch fire.mp4 -o out/film --film --heat-film 40
   emberfold sketch river.mp4 -o out/texture --fill julesz --range 0:10)");
   const auto asked = std::make_shared<Sketch>();
   add_reading(*command, asked->reading);
@@ -243,8 +227,8 @@ void add_sketch(CLI::App& app, CommandLine& line) {
                    "Draw along these curves: image or clip of their probability, white = 1")
       ->type_name("FILE");
   finish_command(*command, line, asked, run_sketch, [asked, command, settings] {
-    asked->own_budget = settings->is_given("sketch.budget");
     asked->own_regions = command->count("--regions") > 0;
+    asked->request.keep_anchors = command->count("--anchors") > 0;
   });
 }
 

@@ -69,13 +69,14 @@ SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& 
   const std::uint64_t high = rng.bits();
   ground.seed = high << 32 | rng.bits();
   SketchedFrame result;
-  const auto patches = pipeline::draw_patches(levels, graph, request.patches);
-  result.graph = request.anchors > 0 ? pipeline::add_anchors(graph, patches, levels, request.anchors) : graph;
-  result.patch_share = patches.share();
-  result.sketchable = sketch::hold_anchors(patches, result.graph);
+  result.graph =
+      request.anchors > 0 ? pipeline::add_anchors(graph, levels, request.patches, request.anchors) : graph;
+  result.sketchable = pipeline::draw_patches(levels, result.graph, request.patches);
   context.check();
   result.reconstruction = pipeline::reconstruct(levels, result.sketchable, ground, context);
-  result.anchor_share = result.reconstruction.share - result.patch_share;
+  result.anchor_share =
+      static_cast<double>(result.graph.size() - graph.size()) / static_cast<double>(levels.total());
+  result.patch_share = result.reconstruction.share - result.anchor_share;
   return result;
 }
 
@@ -124,7 +125,7 @@ SketchRun sketch_frames(core::FrameSource& source, const SketchRequest& request,
       },
       [&](int, const Made& made) {
         videos.write(made);
-        writer.add(made.drawn.graph);
+        writer.add(request.keep_anchors ? made.drawn.graph : made.graph);
         run.sketch.append(made.graph);
         run.figures.add(made.drawn, made.graph.size(), request);
       });

@@ -25,8 +25,9 @@ struct SketchRequest {
   sketch::ExtractOptions extract = pipeline::kPictureSketch;
   sketch::NonsketchableFillOptions ground;  ///< its seed is the clip's; every frame has its own stream
   pipeline::PatchDrawing patches = pipeline::PatchDrawing::fitted;
-  double anchors = 0;  ///< 0…1: share of the frame in patches and anchors together; 0: no anchors
-  bool film = false;   ///< film.mp4 and film.png
+  double anchors = 0.2;       ///< 0…1: share of the frame in patches and anchors together; 0: no anchors
+  bool keep_anchors = false;  ///< in sketch.jsonl
+  bool film = false;          ///< film.mp4 and film.png
   std::optional<int> heat_frame = {};  ///< heat.mp4 of this frame
   GivenEvidence* evidence = nullptr;   ///< replaces the curves' own evidence
   std::int64_t first_frame = 0;        ///< start of the clip's part: streams are keyed by the clip's frame

@@ -64,8 +64,7 @@ Sketch add_anchors(const Sketch& sketch, const py::array& levels, double share) 
   const auto& graph = only_frame(sketch);
   return hold(call(py::none(), [&](const core::Context&) {
     graph::SketchSequence held{frame.cols, frame.rows, sketch.graphs->fps, {}};
-    const auto drawn = pipeline::draw_patches(frame, graph, pipeline::PatchDrawing::fitted);
-    held.append(pipeline::add_anchors(graph, drawn, frame, share));
+    held.append(pipeline::add_anchors(graph, frame, pipeline::PatchDrawing::fitted, share));
     return held;
   }));
 }

@@ -58,7 +58,7 @@ Band alone(const graph::AttributeGraph& graph, std::size_t vertex) {
 
 }  // namespace
 
-std::vector<Band> make_bands(const graph::AttributeGraph& graph) {
+std::vector<Band> make_bands(const graph::AttributeGraph& graph, bool cores) {
   std::vector<Band> all;
   all.reserve(graph.size() + graph.edges().size());
   std::vector<char> through(graph.size());
@@ -97,6 +97,9 @@ std::vector<Band> make_bands(const graph::AttributeGraph& graph) {
       band.after = graph.degree(j) == 1 ? kEnd : 0;
       all.push_back(band);
     }
+  if (cores)
+    for (Band& band : all)
+      for (double* reach : {&band.a.reach, &band.b.reach}) *reach *= kCore;
   return all;
 }
 

@@ -19,6 +19,7 @@ namespace emberfold::sketch {
 // Chosen for the look of drawn strokes; no source.
 inline constexpr double kLeastReach = 1.5;  ///< px to each side that a band shows at least
 inline constexpr double kMostReach = 12;    ///< px to each side that a band shows at most
+inline constexpr double kCore = 0.35;       ///< share of its reach that a band's core has
 inline constexpr double kLeastMargin =
     1;  ///< px beyond the core: else a sharp line holds no pixel of its sides
 inline constexpr double kBorderSlack = 1e-3;  ///< px: a pixel on the border of two bands is in both
@@ -52,9 +53,9 @@ struct Band {
   double before = 0, after = 0;  ///< px by which it goes on straight behind its ends
 };
 
-/// Returns one band for each edge, and one for each patch without edges that is no blob or anchor.
-/// O(patches).
-std::vector<Band> make_bands(const graph::AttributeGraph& graph);
+/// Returns one band for each edge, and one for each patch without edges that is no blob or anchor, with its
+/// core alone if `cores`. O(patches).
+std::vector<Band> make_bands(const graph::AttributeGraph& graph, bool cores = false);
 
 /// Holds the height of a band's curve above its chord, and its two derivatives.
 struct Height {

@@ -78,7 +78,7 @@ void draw_patches(const graph::AttributeGraph& graph, PatchValues values, const 
     planes.weights[at] += static_cast<float>(weight);
     planes.mask[at] = 255;
   };
-  for (const Band& band : make_bands(graph)) {
+  for (const Band& band : make_bands(graph, planes.cores)) {
     const Profile a = profile(graph.patch(band.a.vertex), band.a.backwards, channels);
     const Profile b = profile(graph.patch(band.b.vertex), band.b.backwards, channels);
     visit_band(band, planes.size, [&](int x, int y, const Projection& at) {

@@ -18,8 +18,13 @@ namespace {
 
 using detail::colour, detail::Colour;
 
+bool holds_anchors(const graph::AttributeGraph& graph) {
+  return std::ranges::any_of(graph.vertices(), graph::is_anchor, &graph::Vertex::patch);
+}
+
 /// Draws the patches; interpolates no values where none are given.
-AttributedSketch draw(const graph::AttributeGraph& graph, cv::Size size, int channels, PatchValues values) {
+AttributedSketch draw(const graph::AttributeGraph& graph, cv::Size size, int channels, PatchValues values,
+                      bool cores) {
   check_frame(size, channels);
   AttributedSketch result{
       {cv::Mat(size, CV_32FC(channels), cv::Scalar::all(0)), cv::Mat(size, CV_8U, cv::Scalar(0))},
@@ -27,7 +32,7 @@ AttributedSketch draw(const graph::AttributeGraph& graph, cv::Size size, int cha
   cv::Mat weights(size, CV_32F, cv::Scalar(0));
   draw_patches(graph, values,
                {size, channels, result.part.levels.ptr<float>(), weights.ptr<float>(), result.part.mask.ptr(),
-                values.empty() ? nullptr : result.values.ptr<float>()});
+                values.empty() ? nullptr : result.values.ptr<float>(), cores});
   result.part = hold_anchors(result.part, graph);
   if (!values.empty())
     visit_anchors(graph, size,
@@ -46,11 +51,15 @@ AttributedSketch draw_fitted(const graph::AttributeGraph& graph, cv::Size size, 
   if (values.size() != graph.size())
     throw core::InputError("render: " + std::to_string(values.size()) + " numbers are told of " +
                            std::to_string(graph.size()) + " patches");
-  return draw(graph, size, channels, values);
+  return draw(graph, size, channels, values, holds_anchors(graph));
 }
 
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels) {
-  return draw(graph, size, channels, {}).part;
+  return draw(graph, size, channels, {}, holds_anchors(graph)).part;
+}
+
+Sketchable draw_cores(const graph::AttributeGraph& graph, cv::Size size, int channels) {
+  return draw(graph, size, channels, {}, true).part;
 }
 
 Sketchable draw_pixels(const graph::AttributeGraph& graph, const cv::Mat& levels) {
@@ -60,7 +69,7 @@ Sketchable draw_pixels(const graph::AttributeGraph& graph, const cv::Mat& levels
                            "; allowed are CV_32FC1 and CV_32FC3");
   Sketchable result{cv::Mat(levels.size(), levels.type(), cv::Scalar::all(0)),
                     cv::Mat(levels.size(), CV_8U, cv::Scalar(0))};
-  for (const Band& band : make_bands(graph))
+  for (const Band& band : make_bands(graph, holds_anchors(graph)))
     visit_band(band, levels.size(),
                [&](int x, int y, const Projection&) { result.mask.at<std::uint8_t>(y, x) = 255; });
   visit_blobs(graph, levels.size(),
@@ -70,7 +79,7 @@ Sketchable draw_pixels(const graph::AttributeGraph& graph, const cv::Mat& levels
 }
 
 Sketchable hold_anchors(const Sketchable& drawn, const graph::AttributeGraph& graph) {
-  if (std::ranges::none_of(graph.vertices(), graph::is_anchor, &graph::Vertex::patch)) return drawn;
+  if (!holds_anchors(graph)) return drawn;
   Sketchable held{drawn.levels.clone(), drawn.mask.clone()};
   const int channels = held.levels.channels();
   visit_anchors(graph, held.levels.size(), [&](std::size_t i, int x, int y) {

@@ -26,10 +26,15 @@ struct Sketchable {
 ///   disc.
 /// - An edge that leaves a patch at more than 50° from its direction (a junction's side arm) takes only its
 ///   place from it.
-/// - An anchor shows its pixel, over whatever lies there; one outside the frame shows nothing.
+/// - An anchor shows its pixel, over whatever lies there; one outside the frame shows nothing. In a graph
+///   with anchors bands show their cores alone (draw_cores).
 /// `channels`: 1 (luma) or 3. Throws core::InputError for any other number, or an empty size. O(pixels of the
 /// mask), beside clearing the frame.
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels);
+
+/// Draws the patches' cores: bands with 0.35 of their reach. What anchors are chosen beside: a pixel held
+/// where the picture needs it is worth more than one at the rim of a band. As draw_fitted otherwise.
+Sketchable draw_cores(const graph::AttributeGraph& graph, cv::Size size, int channels);
 
 /// Holds a drawn sketch and a further value at each of its pixels.
 struct AttributedSketch {
