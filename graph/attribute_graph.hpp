@@ -105,8 +105,8 @@ class AttributeGraph {
   std::shared_ptr<const void> block_;  // that all of them lie in
 };
 
-/// Returns the strokes and blobs of a graph without its anchors; they keep their ids. Whatever links, counts
-/// or measures strokes in graphs that may hold anchors begins with this. O(n).
+/// Returns the strokes of a graph without its anchors; they keep their ids. Whatever links, counts or
+/// measures strokes in graphs that may hold anchors begins with this. O(n).
 AttributeGraph without_anchors(const AttributeGraph& graph);
 
 /// Returns the vertices of a stroke, by index, ascending. O(n).

@@ -8,9 +8,9 @@
 namespace emberfold::graph {
 
 namespace {
-constexpr std::array<std::string_view, 12> kNames = {"ridge",      "valley",     "bar",        "step",
+constexpr std::array<std::string_view, 11> kNames = {"ridge",      "valley",     "bar",        "step",
                                                      "corner",     "terminator", "l_junction", "t_junction",
-                                                     "y_junction", "crossing",   "blob",       "anchor"};
+                                                     "y_junction", "crossing",   "anchor"};
 }
 
 std::string_view name(PatchType type) {

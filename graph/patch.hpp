@@ -44,7 +44,6 @@ enum class PatchType : std::uint8_t {
   t_junction,
   y_junction,
   crossing,
-  blob,
   anchor
 };
 
@@ -63,8 +62,6 @@ using Level = std::array<float, 3>;
 /// - line: `left` for d ≪ 0, `middle` on a core of `width` px about d = 0, `right` for d ≫ 0, blurred by a
 ///   Gaussian of SD `blur`;
 /// - step: the same without a core; `width` is 0 and `middle` the mean of both sides;
-/// - blob: a disc about `position` with a linear ramp from `left` to `right` over its diameter. At its centre
-///   it has the level `middle`, which falls off to the ramp by a Gaussian of SD width / 2 + blur;
 /// - anchor: no part of a stroke, but the pixel nearest to `position`, which has the level `middle`.
 struct Patch {
   PatchType type = PatchType::ridge;

@@ -33,7 +33,6 @@
 #include "sketch/patches/patch_placement.hpp"
 #include "sketch/patches/patch_smoothing.hpp"
 #include "sketch/refinement/coding_length.hpp"
-#include "sketch/refinement/pursuit.hpp"
 #include "sketch/refinement/refine.hpp"
 #include "sketch/tiling/tiles.hpp"
 
@@ -41,7 +40,6 @@ namespace emberfold::sketch {
 
 namespace {
 
-constexpr double kVisible = 1;         // grey level: what differs by less looks the same
 constexpr double kSignificance = 6;    // SD of the noise's response: a curve begins above it
 constexpr double kHysteresis = 0.4;    // share of that response down to which a curve continues
 constexpr double kLeastEvidence = 28;  // SD: root of the sum of squares along a curve
@@ -367,23 +365,17 @@ std::vector<Tile> tiles_of(cv::Size frame, const ExtractOptions& options) {
 
 // The sketch of a frame, with the curves that are found or given.
 graph::AttributeGraph extract(const cv::Mat& levels, const ExtractOptions& options, const cv::Mat1f* given) {
-  double noise = 0;  // grey levels
   graph::AttributeGraph strokes;
   if (levels.cols > options.tile || levels.rows > options.tile) {
     const std::vector<Tile> tiles = tiles_of(levels.size(), options);
-    const Statistics statistics = measure_statistics(levels, tiles, options);
-    noise = statistics.noise[0];
-    strokes = find_strokes_in_tiles(statistics, tiles, levels, options, given);
+    strokes =
+        find_strokes_in_tiles(measure_statistics(levels, tiles, options), tiles, levels, options, given);
   } else {
-    const Searched frame = prepare(levels, options);
-    noise = frame.noise[0];
-    strokes = find_strokes(frame, levels, options, given);
+    strokes = find_strokes(prepare(levels, options), levels, options, given);
   }
   if (given == nullptr && !options.boundaries && !uses_outlines(options, given))
     strokes = remove_flank_curves(strokes, make_limits(options).of_step);
-  strokes = with_evidence_of_curves(strokes);
-  if (options.budget > 0) return pursue(strokes, levels, {std::max(noise, kVisible), options.budget});
-  return strokes;
+  return with_evidence_of_curves(strokes);
 }
 
 }  // namespace

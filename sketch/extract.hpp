@@ -23,7 +23,6 @@ struct ExtractOptions {
   bool outlines = false;
   bool boundaries = false;
   bool colour = false;
-  double budget = 0;
   int tile = 2048;
 
   /// Returns what checks, help and docstrings say of the fields.
@@ -50,8 +49,6 @@ struct ExtractOptions {
          "Sketch the boundaries of things in photographs instead: where brightness or texture differ"},
         {"colour", &ExtractOptions::colour, "", kOnOff,
          "Detect structure in two axes of colour too, not only in luma"},
-        {"budget", &ExtractOptions::budget, "SHARE", between(0, 1),
-         "Keep the patches that gain most on this share of the frame; 0: all that pay"},
         {"tile", &ExtractOptions::tile, "PX", between(64, 16384),
          "Sketch larger frames in parts of at most this side, with the thresholds of the whole"},
     });

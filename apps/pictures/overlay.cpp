@@ -42,8 +42,8 @@ cv::Mat draw_type_curves(const cv::Mat& frame, const graph::AttributeGraph& grap
 }
 
 std::vector<LegendItem> type_legend() {
-  return {{"bright line or blob", look_colour(Look::bright_line)},
-          {"dark line or blob", look_colour(Look::dark_line)},
+  return {{"bright line", look_colour(Look::bright_line)},
+          {"dark line", look_colour(Look::dark_line)},
           {"step", look_colour(Look::step)}};
 }
 

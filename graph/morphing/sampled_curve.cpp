@@ -16,12 +16,11 @@ namespace {
 constexpr double kSinglePatch = 5;  // px that are drawn of a patch without edges
 
 CurveKind kind_of(const std::vector<Patch>& patches) {
-  std::array<std::size_t, 4> count{};
+  std::array<std::size_t, 3> count{};
   for (const Patch& patch : patches) {
-    const CurveKind kind = patch.type == PatchType::blob ? CurveKind::blob
-                           : on_step(patch)              ? CurveKind::step
-                           : patch.contrast >= 0         ? CurveKind::bright
-                                                         : CurveKind::dark;
+    const CurveKind kind = on_step(patch)        ? CurveKind::step
+                           : patch.contrast >= 0 ? CurveKind::bright
+                                                 : CurveKind::dark;
     ++count[static_cast<std::size_t>(kind)];
   }
   return static_cast<CurveKind>(std::ranges::max_element(count) - count.begin());

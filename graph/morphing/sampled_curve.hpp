@@ -10,7 +10,7 @@
 namespace emberfold::graph::detail {
 
 /// What a curve mostly shows. Only curves of one kind move into each other.
-enum class CurveKind : std::uint8_t { bright, dark, step, blob };
+enum class CurveKind : std::uint8_t { bright, dark, step };
 
 /// A curve as patches in the order in which it is walked.
 /// Every patch points along the walk: others were turned round, their sides exchanged. A step is walked with

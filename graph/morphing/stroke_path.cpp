@@ -82,7 +82,6 @@ double path_length(const StrokePath& path) {
   const auto a = piece_shares(path.from), b = piece_shares(path.to);
   double turning = 0;
   for (std::size_t i = 0; i < a.size(); ++i) turning += (a[i] + b[i]) / 2 * squared(path.turns[i]);
-  if (path.from.kind == CurveKind::blob) turning = 0;
   const double stretch = std::log(path.to.length / path.from.length);
   const Point shift = path.to.centre - path.from.centre;
   // Points of a straight line of length L lie L/√12 from its middle (root mean square).

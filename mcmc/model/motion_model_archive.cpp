@@ -150,7 +150,7 @@ CellMap read_map(const core::ModelArchive& archive, const std::string& name, dou
 }
 
 graph::PatchType type_of(double number, const std::string& name) {
-  if (!(number >= 0 && number <= type_number(graph::PatchType::blob)) || number != std::floor(number) ||
+  if (!(number >= 0 && number <= type_number(graph::PatchType::crossing)) || number != std::floor(number) ||
       number == kTypeLeftOut)
     refuse(name + ".npy holds a patch of no known type");
   const int place = static_cast<int>(number);

@@ -114,9 +114,7 @@ CarriedPatches carry_patches(int source, int step, const DrawnPatches& drawn, co
   const graph::AttributeGraph& graph = drawn.graph(source);
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
     LastingPatch one{source, source, v, graph.patch(v)};
-    if (graph::is_anchor(one.patch) || one.patch.type == graph::PatchType::blob ||
-        !is_drawn_before(one.patch, source, step, drawn, window))
-      continue;
+    if (graph::is_anchor(one.patch) || !is_drawn_before(one.patch, source, step, drawn, window)) continue;
     const double level = sketch::measure_amplitude(window.levels(source), one.patch, 0).value;
     if (level < carrying::kFitted) continue;
     for (int k = 1; k <= kFramesCarried; ++k) {

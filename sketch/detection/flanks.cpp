@@ -88,7 +88,7 @@ double median_width(const AttributeGraph& graph, const Curve& curve) {
 
 /// True if `patch`, of a curve of this width, may be a flank of the line `other`.
 bool may_flank(const Patch& patch, double width, const Patch& other, double of_step) {
-  if (graph::on_step(other) || other.type == graph::PatchType::blob) return false;
+  if (graph::on_step(other)) return false;
   const double contrast = std::abs(patch.contrast), line = std::abs(other.contrast);
   if (graph::on_step(patch)) return line >= of_step * contrast && patch.gain <= kStepGain * other.gain;
   return other.contrast * patch.contrast < 0 && line >= kOfLine * contrast &&

@@ -60,10 +60,7 @@ graph::AttributeGraph name_patch_types(std::vector<graph::Vertex> vertices, std:
       const graph::Point way = graph.patch(j).position - patch.position;
       arms.push_back(std::atan2(way.y, way.x));
     }
-    if (!arms.empty())
-      patch.type = by_degree(patch, arms);
-    else if (patch.type != PatchType::blob)
-      patch.type = by_profile(patch);
+    patch.type = arms.empty() ? by_profile(patch) : by_degree(patch, arms);
   }
   return {std::move(named), {graph.edges().begin(), graph.edges().end()}};
 }

@@ -150,7 +150,6 @@ std::vector<double> profile_across(const Patch& patch, const ProfileShape& shape
 }  // namespace
 
 Amplitude measure_amplitude(const cv::Mat& levels, const Patch& patch, double slip) {
-  if (patch.type == graph::PatchType::blob) return {};
   const ProfileShape shape(patch);
   const double reach = std::clamp(shape.half_width + 2 * shape.blur, kLeastSide, kMostSide) + 1;
   const int half = static_cast<int>(reach / kStep), slips = static_cast<int>(slip / kStep);

@@ -16,8 +16,8 @@ struct Amplitude {
 /// Measures how strongly a patch's profile shows in a frame.
 /// The coefficient of the profile in a least-squares fit of profile and constant level to the frame, 5 px
 /// along the patch, at the place within `slip` px across it where it is largest. Colours are projected on the
-/// difference of levels that the patch has. 1, 0 for blobs. `levels`: CV_32F or CV_8U, 1 or 3 channels, white
-/// = 255; outside, the border's levels count. O(pixels of the profile).
+/// difference of levels that the patch has. `levels`: CV_32F or CV_8U, 1 or 3 channels, white = 255; outside,
+/// the border's levels count. O(pixels of the profile).
 Amplitude measure_amplitude(const cv::Mat& levels, const graph::Patch& patch, double slip);
 
 }  // namespace emberfold::sketch

@@ -14,7 +14,6 @@
 #include "core/math/robust.hpp"
 #include "core/math/simd_clones.hpp"
 #include "sketch/detection/colour.hpp"
-#include "sketch/patches/blob_shape.hpp"
 #include "sketch/patches/profile_shape.hpp"
 
 namespace emberfold::sketch {
@@ -28,7 +27,8 @@ constexpr std::array<int, 2> kBars = {3, 6};                  // px
 constexpr double kQuantisation = 0.29;                        // grey levels
 constexpr double kAlong = 2.5;                                // px to each end
 constexpr double kLeastReach = 3, kMostReach = 12;            // px to each side
-constexpr double kBand = 2;  // px more than the footprint's half, of each band
+constexpr double kBand = 2;                            // px more than the footprint's half, of each band
+constexpr int kNumbersOfLine = 7, kNumbersOfStep = 5;  // beyond those of the ramp
 
 /// visit(x, y) for the corners of windows of this size all over the frame, which lie alike seen from either
 /// border.
@@ -190,11 +190,6 @@ struct Sums : Band {
     ii += weight * level * level;
     profile += weight * difference * difference;
   }
-  /// The slope of the ramp that leaves least.
-  [[nodiscard]] double slope() const {
-    const double spread = w * vv - v * v;
-    return spread > 1e-9 ? (w * vi - v * i) / spread : 0;
-  }
   /// Least sum of squares of a ramp of this slope, over its level.
   [[nodiscard]] double ramp(double slope) const {
     const double mean = (i - slope * v) / w;
@@ -309,31 +304,6 @@ Footprint look(const cv::Mat1f& luma, const graph::Patch& patch, const Profile& 
   return seen;
 }
 
-Coding coding_of_blob(const CodingContext& frame, const graph::Patch& blob) {
-  const BlobShape shape(blob);
-  const double left = along(frame.axis, blob.left), middle = along(frame.axis, blob.middle),
-               right = along(frame.axis, blob.right);
-  const auto [px, py] = blob.position;
-  const double reach = shape.reach(), c = std::cos(blob.theta), s = std::sin(blob.theta);
-  Sums disc;
-  if (px + reach < 0 || py + reach < 0 || px - reach > frame.luma.cols || py - reach > frame.luma.rows)
-    return {};
-  for (int y = std::max(0, static_cast<int>(py - reach)); y <= std::min(frame.luma.rows - 1.0, py + reach);
-       ++y)
-    for (int x = std::max(0, static_cast<int>(px - reach)); x <= std::min(frame.luma.cols - 1.0, px + reach);
-         ++x) {
-      const double dx = x - px, dy = y - py, level = double{frame.luma(y, x)} - middle;
-      if (!shape.holds(dx, dy)) continue;
-      const auto shares = shape.at(dx, dy);
-      disc.add(1, dy * c - dx * s, level,
-               level + middle - shares.left * left - shares.middle * middle - shares.right * right);
-    }
-  if (disc.w < 1) return {};
-  const double cost = coding_cost(blob, disc.w / frame.noise_correlation[0]);
-  const double saved = disc.ramp(disc.slope()) - disc.profile;
-  return {cost, saved / (2 * frame.noise * frame.noise * frame.noise_correlation[0]) - cost};
-}
-
 }  // namespace
 
 CodingContext prepare_coding(const cv::Mat& levels) {
@@ -361,14 +331,7 @@ CodingContext prepare_coding(cv::Mat1f mixture, const std::array<float, 3>& axis
   return frame;
 }
 
-double coding_cost(const graph::Patch& patch, double pixels) {
-  const bool blob = patch.type == graph::PatchType::blob;
-  const int numbers = blob ? 6 : graph::on_step(patch) ? 5 : 7;
-  return 0.5 * numbers * std::log1p(pixels);
-}
-
 Coding code_patch(const CodingContext& frame, const graph::Patch& patch) {
-  if (patch.type == graph::PatchType::blob) return coding_of_blob(frame, patch);
   const Profile profile(patch, frame.axis);
   const Footprint seen = look(frame.luma, patch, profile);
   if (seen.inside.w <= 0) return {};
@@ -379,7 +342,8 @@ Coding code_patch(const CodingContext& frame, const graph::Patch& patch) {
   const double noise_correlation =
       frame.noise_correlation[0] + wider * (frame.noise_correlation[1] - frame.noise_correlation[0]);
   const double saved = seen.inside.ramp(seen.slope()) - seen.inside.profile;
-  const double cost = coding_cost(patch, seen.inside.w / noise_correlation);
+  const double cost =
+      0.5 * (step ? kNumbersOfStep : kNumbersOfLine) * std::log1p(seen.inside.w / noise_correlation);
   return {cost, saved / (2 * frame.noise * frame.noise * noise_correlation) - cost};
 }
 

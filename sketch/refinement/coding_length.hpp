@@ -26,10 +26,6 @@ CodingContext prepare_coding(const cv::Mat& levels);
 /// Prepares another mixture of the channels, of these weights.
 CodingContext prepare_coding(cv::Mat1f mixture, const std::array<float, 3>& axis);
 
-/// Returns ½·ln(1 + pixels) nats for each number that the patch has beyond the fill. These are 7 of a line, 5
-/// of a step, 6 of a blob. `pixels`: > 0, the number of independent pixels that the patch is fitted to.
-double coding_cost(const graph::Patch& patch, double pixels);
-
 /// Holds the cost and the gain of a patch of a frame, nats.
 struct Coding {
   double cost = 0, gain = 0;
@@ -44,12 +40,11 @@ struct Coding {
 /// outside the footprint on both sides, at the level that suits the footprint best. The noise correlation is
 /// that of a bar of the patch's size.
 ///
-/// The cost is ½·ln(1 + n) nats for each number that the patch has and the ramp has not (coding_cost), n the
-/// footprint's pixels ÷ noise_correlation: the precision at which the pixels determine them (Rissanen's
-/// description length). A blob gains over the best ramp in its disc. Pixels outside the frame do not count: a
-/// patch outside it gains and costs nothing. Patches fitted at places of chance gain more than 0 less than
-/// once in 1000 times in white noise, once in 100 in noise that is smooth over 1.6 px. O(pixels of footprint
-/// and bands); thread-safe.
+/// The cost is ½·ln(1 + n) nats for each number that the patch has and the ramp has not (7 of a line, 5 of a
+/// step), n the footprint's pixels ÷ noise_correlation: the precision at which the pixels determine them
+/// (Rissanen's description length). Pixels outside the frame do not count: a patch outside it gains and costs
+/// nothing. Patches fitted at places of chance gain more than 0 less than once in 1000 times in white noise,
+/// once in 100 in noise that is smooth over 1.6 px. O(pixels of footprint and bands); thread-safe.
 Coding code_patch(const CodingContext& frame, const graph::Patch& patch);
 
 /// Returns the gain alone.

@@ -64,9 +64,7 @@ std::vector<Band> make_bands(const graph::AttributeGraph& graph, bool cores) {
   std::vector<char> through(graph.size());
   for (std::size_t i = 0; i < graph.size(); ++i) {
     through[i] = goes_through(graph, i) ? 1 : 0;
-    const auto type = graph.patch(i).type;
-    if (graph.degree(i) == 0 && type != graph::PatchType::blob && type != graph::PatchType::anchor)
-      all.push_back(alone(graph, i));
+    if (graph.degree(i) == 0 && !graph::is_anchor(graph.patch(i))) all.push_back(alone(graph, i));
   }
   for (std::size_t i = 0; i < graph.size(); ++i)
     for (const std::size_t j : graph.neighbours(i)) {

@@ -10,10 +10,9 @@
 #include <opencv2/core/types.hpp>
 
 #include "graph/attribute_graph.hpp"
-#include "sketch/patches/blob_shape.hpp"
 #include "sketch/patches/profile_shape.hpp"
 
-// The places of patches in the frame: bands about the curves between them, and discs of blobs (render.hpp).
+// The places of patches in the frame: bands about the curves between them (render.hpp).
 namespace emberfold::sketch {
 
 // Chosen for the look of drawn strokes; no source.
@@ -53,8 +52,8 @@ struct Band {
   double before = 0, after = 0;  ///< px by which it goes on straight behind its ends
 };
 
-/// Returns one band for each edge, and one for each patch without edges that is no blob or anchor, with its
-/// core alone if `cores`. O(patches).
+/// Returns one band for each edge, and one for each patch without edges that is no anchor, with its core
+/// alone if `cores`. O(patches).
 std::vector<Band> make_bands(const graph::AttributeGraph& graph, bool cores = false);
 
 /// Holds the height of a band's curve above its chord, and its two derivatives.
@@ -160,29 +159,6 @@ inline double band_weight(const Band& band, const Projection& at) {
   return inward * inward * inward * inward * (at.at_round_end ? 1e-12 : 1);
 }
 
-/// Calls paint(x, y) for every pixel of a blob.
-template <class Paint>
-void visit_blob(const graph::Patch& blob, const BlobShape& shape, cv::Size size, Paint paint) {
-  const auto [px, py] = blob.position;
-  PixelRange rows{0, size.height - 1}, columns{0, size.width - 1};
-  rows.intersect(1, -py, -shape.reach() - kBorderSlack, shape.reach() + kBorderSlack);
-  columns.intersect(1, -px, -shape.reach() - kBorderSlack, shape.reach() + kBorderSlack);
-  for (int y = rows.first; y <= rows.last; ++y)
-    for (int x = columns.first; x <= columns.last; ++x)
-      if (shape.holds(x - px, y - py)) paint(x, y);
-}
-
-/// Calls paint(vertex, shape, x, y) for every pixel of every blob.
-template <class Paint>
-void visit_blobs(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
-  for (std::size_t i = 0; i < graph.size(); ++i) {
-    const graph::Patch& patch = graph.patch(i);
-    if (graph.degree(i) != 0 || patch.type != graph::PatchType::blob) continue;
-    const BlobShape shape(patch);
-    visit_blob(patch, shape, size, [&](int x, int y) { paint(i, shape, x, y); });
-  }
-}
-
 /// Calls paint(vertex, x, y) for the pixel of every anchor in the frame.
 template <class Paint>
 void visit_anchors(const graph::AttributeGraph& graph, cv::Size size, Paint paint) {
@@ -192,12 +168,6 @@ void visit_anchors(const graph::AttributeGraph& graph, cv::Size size, Paint pain
     if (x >= 0 && y >= 0 && x < size.width && y < size.height)
       paint(i, static_cast<int>(x), static_cast<int>(y));
   }
-}
-
-/// Returns a pixel's weight in a blob: the greater the nearer to its middle.
-inline double blob_weight(const BlobShape& shape, double dx, double dy) {
-  const double inward = std::max(1 - std::hypot(dx, dy) / shape.reach(), 0.03);
-  return inward * inward * inward * inward;
 }
 
 /// Checks a frame's format. Throws core::InputError for an empty size, or other than 1 or 3 channels.

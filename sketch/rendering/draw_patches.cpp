@@ -43,16 +43,6 @@ void add(const Profile& a, const Profile& b, const Projection& at, double weight
   }
 }
 
-void add(const graph::Patch& blob, const BlobShape& shape, int x, int y, double weight, int channels,
-         float* sum) {
-  const BlobShape::Shares shares = shape.at(x - blob.position.x, y - blob.position.y);
-  const Colour left = colour(blob.left, channels), middle = colour(blob.middle, channels),
-               right = colour(blob.right, channels);
-  for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c)
-    sum[c] += static_cast<float>(
-        weight * (shares.left * left[c] + shares.middle * middle[c] + shares.right * right[c]));
-}
-
 void add(float a, float b, double s, double weight, float* sum) {
   *sum += static_cast<float>(weight * interpolate(double{a}, double{b}, s));
 }
@@ -70,31 +60,20 @@ void divide(const PatchPlanes& planes, float* sums, std::size_t count) {
 
 void draw_patches(const graph::AttributeGraph& graph, PatchValues values, const PatchPlanes& planes) {
   const int channels = planes.channels;
-  const auto show = [&](int x, int y, double weight, const auto& add_levels, const auto& add_values) {
-    const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(planes.size.width) +
-                           static_cast<std::size_t>(x);
-    add_levels(planes.levels + at * static_cast<std::size_t>(channels));
-    if (planes.values != nullptr) add_values(planes.values + at);
-    planes.weights[at] += static_cast<float>(weight);
-    planes.mask[at] = 255;
-  };
   for (const Band& band : make_bands(graph, planes.cores)) {
     const Profile a = profile(graph.patch(band.a.vertex), band.a.backwards, channels);
     const Profile b = profile(graph.patch(band.b.vertex), band.b.backwards, channels);
     visit_band(band, planes.size, [&](int x, int y, const Projection& at) {
       const double w = band_weight(band, at);
-      show(
-          x, y, w, [&](float* sum) { add(a, b, at, w, channels, sum); },
-          [&](float* sum) { add(values[band.a.vertex], values[band.b.vertex], at.s, w, sum); });
+      const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(planes.size.width) +
+                                static_cast<std::size_t>(x);
+      add(a, b, at, w, channels, planes.levels + pixel * static_cast<std::size_t>(channels));
+      if (planes.values != nullptr)
+        add(values[band.a.vertex], values[band.b.vertex], at.s, w, planes.values + pixel);
+      planes.weights[pixel] += static_cast<float>(w);
+      planes.mask[pixel] = 255;
     });
   }
-  visit_blobs(graph, planes.size, [&](std::size_t i, const BlobShape& shape, int x, int y) {
-    const graph::Patch& blob = graph.patch(i);
-    const double w = blob_weight(shape, x - blob.position.x, y - blob.position.y);
-    show(
-        x, y, w, [&](float* sum) { add(blob, shape, x, y, w, channels, sum); },
-        [&](float* sum) { add(values[i], values[i], 0, w, sum); });
-  });
   divide(planes, planes.levels, static_cast<std::size_t>(channels));
   if (planes.values != nullptr) divide(planes, planes.values, 1);
 }

@@ -72,8 +72,6 @@ Sketchable draw_pixels(const graph::AttributeGraph& graph, const cv::Mat& levels
   for (const Band& band : make_bands(graph, holds_anchors(graph)))
     visit_band(band, levels.size(),
                [&](int x, int y, const Projection&) { result.mask.at<std::uint8_t>(y, x) = 255; });
-  visit_blobs(graph, levels.size(),
-              [&](std::size_t, const BlobShape&, int x, int y) { result.mask.at<std::uint8_t>(y, x) = 255; });
   levels.copyTo(result.levels, result.mask);
   return hold_anchors(result, graph);
 }

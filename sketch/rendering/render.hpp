@@ -22,8 +22,7 @@ struct Sketchable {
 ///   to the other.
 /// - A band reaches to each side as far as the profile changes: half a width and two blurs, at least 1.5 and
 ///   at most 12 px. Where bands overlap, the one whose middle is nearer counts more.
-/// - A stroke ends 1 px behind its last patch. A patch without edges shows 5 px of itself; a blob shows its
-///   disc.
+/// - A stroke ends 1 px behind its last patch. A patch without edges shows 5 px of itself.
 /// - An edge that leaves a patch at more than 50° from its direction (a junction's side arm) takes only its
 ///   place from it.
 /// - An anchor shows its pixel, over whatever lies there; one outside the frame shows nothing. In a graph

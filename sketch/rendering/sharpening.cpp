@@ -55,7 +55,6 @@ FlankGradient measure_flank_gradient(const cv::Mat& luma, const graph::Attribute
   const graph::AttributeGraph strokes = graph::without_anchors(graph);
   for (const auto& vertex : strokes.vertices()) {
     const graph::Patch& patch = vertex.patch;
-    if (patch.type == graph::PatchType::blob) continue;
     const double aside = graph::on_step(patch) ? 0 : std::max(patch.width / 2, patch.blur);
     const graph::Point normal{-std::sin(patch.theta), std::cos(patch.theta)};
     for (const double side : {-aside, aside}) {

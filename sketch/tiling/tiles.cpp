@@ -18,8 +18,8 @@ namespace {
 using graph::AttributeGraph;
 using graph::Point;
 
-constexpr double kAcross = 2.5;  // px between the ends of an edge that two tiles share, across it
-constexpr double kMostTurn = 1;  // rad between both
+constexpr double kAcross = 2.5;   // px between the ends of an edge that two tiles share, across it
+constexpr double kMostApart = 1;  // rad between both
 
 // Where part i of `parts` begins.
 int part_start(int size, int parts, int i) {
@@ -57,7 +57,7 @@ Point turned_to(Point from, Point to) {
 
 // How badly two stubs fit, less than 0 if they are not of one edge.
 double misfit(const Stub& a, const Stub& b, double spacing) {
-  if (dot(a.away, b.away) > -std::cos(kMostTurn)) return -1;
+  if (dot(a.away, b.away) > -std::cos(kMostApart)) return -1;
   const Point off = b.at - a.at;
   const auto across = [&](Point u) { return std::abs(off.x * u.y - off.y * u.x); };
   const double aside = std::max(across(a.away), across(b.away)), length = std::sqrt(dot(off, off));

@@ -26,11 +26,11 @@ namespace {
 
 const cv::Size kOddFramesSize{96, 80};
 const Point kFrom{20.3, 24.6}, kTo{74.8, 52.1};
-constexpr double kWidth = 5;
+constexpr double kLineWidth = 5;
 
 /// A bar that lies askew to the pixel grid.
 cv::Mat1f bar(double ground, double contrast) {
-  return draw(kOddFramesSize, {segment(kFrom, kTo, kWidth, 1)}, ground, contrast);
+  return draw(kOddFramesSize, {segment(kFrom, kTo, kLineWidth, 1)}, ground, contrast);
 }
 
 double off_the_bar(Point p) {
@@ -115,7 +115,7 @@ TEST_CASE("A black bar on white is a valley between white sides, and comes back 
     if (found.degree(i) != 2) continue;
     const graph::Patch& p = found.patch(i);
     CHECK(off_the_bar(p.position) < 0.1);
-    CHECK_THAT(p.contrast, WithinAbs(-255 * seen(0, kWidth, 1), 20));
+    CHECK_THAT(p.contrast, WithinAbs(-255 * seen(0, kLineWidth, 1), 20));
     CHECK_THAT(static_cast<double>(p.left[0]), WithinAbs(255, 8));
     CHECK_THAT(static_cast<double>(p.right[0]), WithinAbs(255, 8));
   }

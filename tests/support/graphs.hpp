@@ -108,7 +108,8 @@ inline graph::AttributeGraph random_graph(core::Rng& rng, std::uint32_t paths, s
     if (a != b && !there) frame.edge(a, b);
   }
   for (auto& v : frame.vertices) {
-    v.patch.type = static_cast<graph::PatchType>(rng.below(11));
+    v.patch.type =
+        static_cast<graph::PatchType>(rng.below(static_cast<std::uint32_t>(graph::PatchType::anchor)));
     v.patch.blur = rng.uniform(0.5, 3);
     v.patch.theta = rng.uniform(-3.1, 3.1);
     for (float& value : v.patch.left) value = static_cast<float>(rng.uniform(0, 255));

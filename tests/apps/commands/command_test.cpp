@@ -230,7 +230,7 @@ TEST_CASE("misuse is told in the option's own name, exit 2") {
   refused({"--set", "sketch.min_contrast=nan"}, {"sketch.min_contrast", "not finite"});
   refused({"--set", "sketch.min_contrast=inf"}, {"sketch.min_contrast", "not finite"});
   refused({"--set", "sketch.min_contrast=-3"}, {"sketch.min_contrast", "-3", "0"});
-  refused({"--set", "sketch.sensitivity=1.5"}, {"sketch.sensitivity", "1.5", "1"});
+  refused({"--set", "sketch.finest_scale=30"}, {"sketch.finest_scale", "30", "20"});
   refused({"--set", "sketch.scales=0"}, {"sketch.scales", "0", "1"});
   refused({"--set", "sketch.scales=2.5"}, {"sketch.scales", "2.5", "whole"});
   refused({"--set", "sketch.spacing=five"}, {"sketch.spacing", "five", "number"});

@@ -24,17 +24,12 @@ struct Missing {
   std::string what;
 };
 
-/// The share of a frame's pixels that a sketch may hold.
+/// The share of a frame's pixels that the sketch and its anchors hold.
 inline constexpr double kShare = 0.2;
 
-/// The options of all measures but the reconstruction; and those of the reconstruction: the only places.
+/// The options of all measures, the only place.
 inline sketch::ExtractOptions usual_options() {
   return {};
-}
-inline sketch::ExtractOptions reconstruction_options() {
-  sketch::ExtractOptions options;
-  options.budget = kShare;
-  return options;
 }
 
 /// A frame of a clip, as it was decoded (CV_8UC3).

@@ -26,26 +26,23 @@ namespace {
 
 using sketch::Sketchable;
 
+/// Adds anchors beside the cores of the patches, which show `cores`, up to the whole share.
+graph::AttributeGraph with_anchors(const graph::AttributeGraph& graph, const cv::Mat& levels,
+                                   const Sketchable& cores) {
+  const double room = std::max(kShare - cores.share(), 0.0);
+  return sketch::add_anchors(graph, levels, sketch::choose_anchors(levels, cores, room));
+}
+
+/// What `emberfold sketch` draws, with the frame's own pixels and from attributes.
+Sketchable pixels(const graph::AttributeGraph& graph, const cv::Mat& levels) {
+  Sketchable cores = sketch::draw_cores(graph, levels.size(), levels.channels());
+  levels.copyTo(cores.levels, cores.mask);
+  return sketch::draw_pixels(with_anchors(graph, levels, cores), levels);
+}
 Sketchable fitted(const graph::AttributeGraph& graph, const cv::Mat& levels) {
-  return sketch::draw_fitted(graph, levels.size(), levels.channels());
+  const Sketchable cores = sketch::draw_cores(graph, levels.size(), levels.channels());
+  return sketch::draw_fitted(with_anchors(graph, levels, cores), levels.size(), levels.channels());
 }
-
-/// A smaller sketch, with anchors up to the whole share: `emberfold sketch --anchors`.
-Sketchable anchored(const graph::AttributeGraph&, const cv::Mat& levels) {
-  sketch::ExtractOptions options = reconstruction_options();
-  options.budget = kShare / 4;
-  const graph::AttributeGraph graph = sketch::extract(levels, options);
-  const Sketchable patches = sketch::draw_pixels(graph, levels);
-  const cv::Mat anchors = sketch::choose_anchors(levels, patches.mask, kShare - patches.share());
-  return sketch::draw_pixels(sketch::add_anchors(graph, levels, anchors), levels);
-}
-
-/// Ways to hold a part of a frame; another one is another line, and its targets in add_targets.
-struct Method {
-  const char* name;
-  Sketchable (*draw)(const graph::AttributeGraph& graph, const cv::Mat& levels);
-};
-constexpr Method kMethods[] = {{"pixels", sketch::draw_pixels}, {"fitted", fitted}, {"anchors", anchored}};
 
 /// A frame's figures by their names.
 using Figures = std::map<std::string, double>;
@@ -61,36 +58,29 @@ void dump(const std::filesystem::path& folder, const std::string& name, const cv
   cv::imwrite((folder / (name + "_mask.png")).string(), mask);
   const cv::Mat1f levels = levels_of(frame);
   const core::ThreadLimit one(1);
-  const double sketching = least_time(3, [&] { sketch::extract(levels, reconstruction_options()); });
+  const double sketching = least_time(3, [&] { sketch::extract(levels, usual_options()); });
   const double filling = least_time(3, [&] { sketch::fill(levels, mask); });
   std::ofstream list(folder / "frames.csv", std::ios::app);
   list << name << ',' << figures.at("share") << ',' << figures.at("pixels") << ',' << figures.at("fitted")
        << ',' << sketching << ',' << filling << '\n';
 }
 
-/// "share" of the pixels, PSNR of each method, and of its rivals at the same share.
+/// "share" of the pixels, PSNR of both ways to draw, and of rivals at the same share.
 Figures measure(const ClipFrame& source, const std::filesystem::path& folder) {
   const cv::Mat1b frame = grey_at(source.pixels);
   const cv::Mat1f levels = levels_of(frame);
-  const graph::AttributeGraph graph = sketch::extract(levels, reconstruction_options());
+  const graph::AttributeGraph graph = sketch::extract(levels, usual_options());
+  const Sketchable held = pixels(graph, levels), drawn = fitted(graph, levels);
   Figures figures;
-  cv::Mat mask;
-  for (const Method& method : kMethods) {
-    const Sketchable held = method.draw(graph, levels);
-    figures[method.name] = filled_psnr(frame, held.levels, held.mask);
-    const std::string name = method.name;
-    if (name == "fitted") continue;
-    figures[name == "pixels" ? "share" : name + " share"] = held.share();
-    figures[name == "pixels" ? "random" : "random as " + name] =
-        filled_psnr(frame, levels, random_mask(frame.size(), held.share()));
-    if (name == "pixels") mask = held.mask;
-  }
+  figures["pixels"] = filled_psnr(frame, held.levels, held.mask);
+  figures["fitted"] = filled_psnr(frame, drawn.levels, drawn.mask);
+  figures["share"] = held.share();
+  figures["random"] = filled_psnr(frame, levels, random_mask(frame.size(), figures["share"]));
   const cv::Mat band = canny_band(frame, figures["share"]);
   figures["Canny share"] = share(band);
   figures["Canny"] = filled_psnr(frame, levels, band);
-  figures["Canny at 20 %"] = filled_psnr(frame, levels, canny_band(frame, kShare));
-  figures["random at 20 %"] = filled_psnr(frame, levels, random_mask(frame.size(), kShare));
-  if (!folder.empty()) dump(folder, source.clip + "_" + std::to_string(source.number), frame, mask, figures);
+  if (!folder.empty())
+    dump(folder, source.clip + "_" + std::to_string(source.number), frame, held.mask, figures);
   return figures;
 }
 
@@ -127,11 +117,6 @@ void add_targets(std::vector<Row>& rows, const std::map<std::string, Figures>& c
   add_lead(rows, clips, all, "pixels", "Canny", 3);
   rows.push_back({"reconstruction: fitted below pixels, mean", all.at("pixels") - all.at("fitted"), 2, "dB",
                   at_most(2.5)});
-  if (all.contains("anchors")) {
-    rows.push_back(
-        {"reconstruction: anchors, share", 100 * all.at("anchors share"), 2, "%", at_most(100 * kShare)});
-    add_lead(rows, clips, all, "anchors", "random as anchors", 6);
-  }
 }
 
 }  // namespace

@@ -118,12 +118,12 @@ TEST_CASE("Patch types keep the numbers that they had in older models, and 4 is 
   };
   using enum graph::PatchType;
   for (const auto& [type, number] :
-       {std::pair{ridge, 0.0}, {step, 3.0}, {corner, 5.0}, {terminator, 6.0}, {blob, 11.0}}) {
+       {std::pair{ridge, 0.0}, {step, 3.0}, {corner, 5.0}, {terminator, 6.0}, {crossing, 10.0}}) {
     auto archive = first_of_type(type);
     CHECK(number_in(archive) == number);
     CHECK(mcmc::motion_model(archive) == model);
     // Double ridges had 4.
-    for (const double none : {4.0, -1.0, 4.5, 13.0, std::nan("")}) {
+    for (const double none : {4.0, -1.0, 4.5, 11.0, std::nan("")}) {
       number_in(archive) = none;
       CHECK(test::contains(refusal(archive), "first_patches.npy holds a"));
     }

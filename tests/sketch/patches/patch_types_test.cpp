@@ -63,7 +63,4 @@ TEST_CASE("A patch without edges, or on a smooth curve, is named by its profile"
     CHECK(type_of_star(arms, 0, profile(3.1, 1, -40)) == "bar");
     CHECK(type_of_star(arms, 0, profile(0, 1, 40)) == "step");
   }
-  graph::Patch blob;
-  blob.type = graph::PatchType::blob;
-  CHECK(type_of_star({}, 0, blob) == "blob");
 }
