@@ -284,6 +284,21 @@ bool uses_outlines(const ExtractOptions& options, const cv::Mat1f* given) {
   return options.edges && options.outlines && !options.boundaries && given == nullptr;
 }
 
+// Leaves out the edges of the finest level that the next one shows better: blurred ones. Two edges side by
+// side dim each other, the more the coarser the level.
+void keep_sharp_edges(std::vector<Chain>& finest, const ScaleLevel& next) {
+  constexpr double kLeast = 0.9;  // of the contrast that the next level shows; an ideal step has 1 at either
+  std::erase_if(finest, [&](const Chain& chain) {
+    double here = 0, there = 0;
+    for (const CreasePoint& p : chain.points) {
+      const int x = std::clamp(static_cast<int>(std::lround(p.position.x)), 0, next.frame.cols - 1),
+                y = std::clamp(static_cast<int>(std::lround(p.position.y)), 0, next.frame.rows - 1);
+      here += p.contrast, there += norm(next.gradient(x, y)) * step_contrast(next.sigma);
+    }
+    return here < kLeast * there;
+  });
+}
+
 constexpr int kScalesOfEdges = 2;  // beyond those of lines: edges blurred by up to 8 px
 
 // Of the lines and the closed step edges of each channel those that explain it. The scale space that they are
@@ -301,7 +316,7 @@ std::vector<Chain> find_explaining_curves(const Searched& frame, const cv::Mat& 
     const auto channel =
         static_cast<std::size_t>(frame.space[median_level(line.points, frame.space)].channel);
     for (CreasePoint& point : line.points)
-      point.level = frame.space[static_cast<std::size_t>(point.level)].octave;
+      point.level = frame.space[static_cast<std::size_t>(point.level)].octave + 1;  // after the finer one
     lines[channel].push_back(std::move(line));
   }
   const double less = 0.5 - options.sensitivity, visible = kVisibleStep * std::exp2(2 * less);
@@ -310,7 +325,7 @@ std::vector<Chain> find_explaining_curves(const Searched& frame, const cv::Mat& 
     ScaleSpace of_channel;
     std::ranges::copy_if(frame.space, std::back_inserter(of_channel),
                          [&](const ScaleLevel& level) { return level.channel == static_cast<int>(c); });
-    of_channel = with_coarser_levels(std::move(of_channel), kScalesOfEdges);
+    of_channel = with_more_levels(std::move(of_channel), kScalesOfEdges);
     std::vector<std::vector<Chain>> edges;
     for (std::size_t k = 0; k < of_channel.size(); ++k) {
       const ScaleLevel& level = of_channel[k];
@@ -318,6 +333,9 @@ std::vector<Chain> find_explaining_curves(const Searched& frame, const cv::Mat& 
                                   std::max(kNoise * frame.noise[c] * level.gradient_sd,
                                            kStillTraced * visible / step_contrast(level.sigma))));
     }
+    // What is finer than lines comes last: it is for what the usual scales leave, the pixels of a mask for instance.
+    keep_sharp_edges(edges[0], of_channel[1]);
+    std::rotate(edges.begin(), edges.begin() + 1, edges.end());
     auto chosen = select_curves(std::move(lines[c]), std::move(edges), of_channel, frame.axes[c].luma,
                                 {frame.noise[c], visible, std::exp2(kOctaves * less)});
     chosen = without_same_edges(std::move(chosen), of_channel, all, levels.size());

@@ -160,10 +160,15 @@ ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels, int cha
   return space;
 }
 
-ScaleSpace with_coarser_levels(ScaleSpace space, int more) {
+ScaleSpace with_more_levels(ScaleSpace space, int more) {
   const ScaleLevel first = space.front();
   for (int i = 0; i < more; ++i) add_level(space, first.frame, first.sigma, first.channel);
-  return space;
+  ScaleSpace all = scale_space(first.frame, first.sigma / std::numbers::sqrt2, 1, first.channel);
+  for (ScaleLevel& level : space) {
+    ++level.octave;
+    all.push_back(std::move(level));
+  }
+  return all;
 }
 
 }  // namespace emberfold::sketch
