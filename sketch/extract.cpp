@@ -333,7 +333,8 @@ std::vector<Chain> find_explaining_curves(const Searched& frame, const cv::Mat& 
                                   std::max(kNoise * frame.noise[c] * level.gradient_sd,
                                            kStillTraced * visible / step_contrast(level.sigma))));
     }
-    // What is finer than lines comes last: it is for what the usual scales leave, the pixels of a mask for instance.
+    // What is finer than lines comes last: it is for what the usual scales leave, the pixels of a mask for
+    // instance.
     keep_sharp_edges(edges[0], of_channel[1]);
     std::rotate(edges.begin(), edges.begin() + 1, edges.end());
     auto chosen = select_curves(std::move(lines[c]), std::move(edges), of_channel, frame.axes[c].luma,

@@ -65,8 +65,8 @@ inline const ScaleLevel& finest_level(const ScaleSpace& space, std::size_t k) {
 /// mirrored levels, bit by bit. O(pixels · levels).
 ScaleSpace scale_space(const cv::Mat1f& luma, double finest, int levels, int channel = 0);
 
-/// Returns a scale space of one channel with a level at 1/√2 of its finest and `more` coarser ones; those that
-/// it has are shared.
+/// Returns a scale space of one channel with a level at 1/√2 of its finest and `more` coarser ones; those
+/// that it has are shared.
 ScaleSpace with_more_levels(ScaleSpace space, int more);
 
 }  // namespace emberfold::sketch

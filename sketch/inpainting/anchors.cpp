@@ -126,11 +126,19 @@ cv::Mat halftone(const cv::Mat& weight, int count) {
   return result;
 }
 
+/// e · (g ∗ e), summed over the channels.
+cv::Mat error_score(const cv::Mat& error, double spread) {
+  cv::Mat product = error.mul(smooth(error, spread)), sum;
+  if (product.channels() == 1) return product;
+  cv::transform(product, sum, cv::Matx13f(1, 1, 1));
+  return sum;
+}
+
 /// By rounds; `held`: levels of what is held, the frame's own but at drawn patches.
-cv::Mat by_error(const cv::Mat& luma, const cv::Mat& held, const cv::Mat& taken, int count,
+cv::Mat by_error(const cv::Mat& levels, const cv::Mat& held, const cv::Mat& taken, int count,
                  const AnchorOptions& options) {
-  cv::Mat result(luma.size(), CV_8U, cv::Scalar(0)), mask = taken.clone();
-  cv::Mat score = curvature(luma);
+  cv::Mat result(levels.size(), CV_8U, cv::Scalar(0)), mask = taken.clone();
+  cv::Mat score = curvature(core::luma(levels));
   score.setTo(0, mask);
   keep_peaks(score);
   const int first = add_best(score, static_cast<int>(std::lround(count * kFirstShare)), result);
@@ -138,8 +146,7 @@ cv::Mat by_error(const cv::Mat& luma, const cv::Mat& held, const cv::Mat& taken,
   for (int round = 1; round <= options.rounds && placed < count; ++round) {
     const bool last = round == options.rounds;
     mask.setTo(255, result);
-    const cv::Mat error = fill(held, mask, {.tolerance = kRoughTolerance}).levels - luma;
-    score = error.mul(smooth(error, options.spread));
+    score = error_score(fill(held, mask, {.tolerance = kRoughTolerance}).levels - levels, options.spread);
     score.setTo(0, (mask != 0) | (score < kLeastScore));
     cv::Mat everywhere = last ? score.clone() : cv::Mat();
     keep_peaks(score);
@@ -155,12 +162,11 @@ cv::Mat by_error(const cv::Mat& luma, const cv::Mat& held, const cv::Mat& taken,
 
 cv::Mat place(const cv::Mat& levels, const cv::Mat& held, const cv::Mat& taken, double share,
               const AnchorOptions& options) {
-  const cv::Mat luma = core::luma(levels);
-  const int free = luma.rows * luma.cols - cv::countNonZero(taken);
-  const int count = std::min(free, static_cast<int>(std::floor(share * double(luma.total()) + 1e-9)));
-  if (count == 0) return cv::Mat(luma.size(), CV_8U, cv::Scalar(0));
-  if (options.rounds > 0) return by_error(luma, core::luma(held), taken, count, options);
-  cv::Mat weight = curvature(luma);
+  const int free = levels.rows * levels.cols - cv::countNonZero(taken);
+  const int count = std::min(free, static_cast<int>(std::floor(share * double(levels.total()) + 1e-9)));
+  if (count == 0) return cv::Mat(levels.size(), CV_8U, cv::Scalar(0));
+  if (options.rounds > 0) return by_error(levels, held, taken, count, options);
+  cv::Mat weight = curvature(core::luma(levels));
   cv::pow(weight, kDensityPower, weight);
   weight += kFloor;
   weight.setTo(0, taken);

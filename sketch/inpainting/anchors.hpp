@@ -10,7 +10,7 @@ namespace emberfold::sketch {
 
 /// Holds the settings of choose_anchors().
 struct AnchorOptions {
-  int rounds = 16;      ///< 0…256: number of fills that place anchors by their error; 0: by |Δu| alone
+  int rounds = 8;       ///< 0…256: number of fills that place anchors by their error; 0: by |Δu| alone
   double spread = 0.8;  ///< px, 0.3…5: SD of the Gaussian g that weighs shared errors
   void validate() const;
 };
@@ -18,14 +18,14 @@ struct AnchorOptions {
 /// Chooses pixels that, held beside the taken ones, bring the diffusion of fill() closest to the frame.
 /// Returns CV_8U, 255 at the anchors, which never lie on taken pixels. There are at most ⌊share · pixels⌋;
 /// fewer only where the fill is exact without more, or no pixel is left. `levels`: CV_32F, 1 or 3 channels
-/// (luma counts), finite; `taken`: CV_8U of the same size; share 0…1. Throws core::InputError otherwise.
+/// finite; `taken`: CV_8U of the same size; share 0…1. Throws core::InputError otherwise.
 ///
 /// The first 15 % lie where |Δu| is greatest, u being smoothed a little: the best density of held pixels
 /// grows with |Δu| (Belhachmi, Bucur, Burgeth & Weickert 2009, "How to choose interpolation data in images").
 /// Then in each round the frame is filled from all held pixels, and the next anchors are put on peaks of
-/// e·(g∗e), e being the error and g a Gaussian of SD `spread`: an anchor corrects its own error and, as far
-/// as they are alike, its neighbours'. Only peaks of 3 × 3 pixels count, so that anchors keep apart, except
-/// for the rest of the last round.
+/// e·(g∗e), summed over channels, e being the error and g a Gaussian of SD `spread`: an anchor corrects its
+/// own error and, as far as they are alike, its neighbours'. Only peaks of 3 × 3 pixels count, so that
+/// anchors keep apart, except for the rest of the last round.
 ///
 /// Flips and quarter turns of the frame turn the anchors with it, up to ties and the tolerance of the fill.
 /// With no rounds the density |Δu|^0.8 is halftoned by error diffusion instead (Floyd & Steinberg 1976): much

@@ -143,3 +143,32 @@ TEST_CASE("A sketch outlines droplets and says what is on both sides") {
   for (const auto& [centre, radius] : places) around += 2 * std::numbers::pi * radius;
   CHECK_THAT(5.0 * static_cast<double>(sketch.edges().size()), WithinRel(around, 0.1));
 }
+
+TEST_CASE("Pieces of a mask two pixels apart are outlined, with gaps and holes") {
+  cv::Mat1b mask(96, 96, uchar{0});
+  // Combs: teeth 3 px thick, 2 px apart, joined at one end.
+  for (int comb = 0; comb < 3; ++comb) {
+    const int x = 10 + 28 * comb;
+    cv::rectangle(mask, cv::Rect(x, 12, 3, 70), cv::Scalar(255), cv::FILLED);
+    for (int y = 12; y < 80; y += 5)
+      cv::rectangle(mask, cv::Rect(x, y, 8 + (y * 7 + comb) % 9, 3), cv::Scalar(255), cv::FILLED);
+  }
+  cv::Mat1f frame;
+  mask.convertTo(frame, CV_32F);
+  cv::Mat1b lines(mask.size(), uchar{255}), inner;
+  const auto sketch = sketch::extract(frame, {.outlines = true});
+  for (const auto& [a, b] : sketch.edges()) {
+    const auto pixel = [&](graph::VertexId id) {
+      const Point p = sketch.patch(sketch.index_of(id)).position;
+      return cv::Point(int(std::lround(p.x)), int(std::lround(p.y)));
+    };
+    cv::line(lines, pixel(a), pixel(b), cv::Scalar(0));
+  }
+  cv::Mat1f away;
+  cv::distanceTransform(lines, away, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::erode(mask, inner, {});
+  const cv::Mat1b edge = mask & ~inner;
+  const double drawn = cv::countNonZero((away <= 2) & (edge != 0)) / double(cv::countNonZero(edge));
+  CAPTURE(drawn);
+  CHECK(drawn > 0.6);  // 0.41 without the level that is finer than lines have
+}
