@@ -193,7 +193,7 @@ void add_drawing(CLI::App& command, Sketch& asked) {
   add_number(command, "--regions", request.ground.texture.regions, "N",
              "Use 3 to 7 textures with julesz and efros-leung; 0: as many as fit best");
   add_number(command, "--anchors", request.anchors, "SHARE",
-             "Hold pixels beside strokes, SHARE of the frame in all; if given, in sketch.jsonl");
+             "Hold pixels, too, with strokes on SHARE; if given, sketch.jsonl has them");
   command.add_flag("--film", request.film,
                    "Write film.mp4, film.png: input, graph, sketchable part, reconstruction");
   command
