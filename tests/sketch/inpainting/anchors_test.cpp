@@ -132,7 +132,17 @@ TEST_CASE("Anchors turn with the frame", "[sketch][anchors]") {
   }
 }
 
-TEST_CASE("Anchors of a colour frame are those of its luma", "[sketch][anchors]") {
+TEST_CASE("Anchors go where only the colour changes, too", "[sketch][anchors]") {
+  // Green beside red of the same luma.
+  cv::Mat frame(kAnchorsSize, CV_32FC3, cv::Scalar(0, 100, 0));
+  const int middle = kAnchorsSize.width / 2;
+  frame.colRange(middle, kAnchorsSize.width).setTo(cv::Scalar(0, 0, 58.7 / 0.299));
+  const cv::Mat mask = sketch::choose_anchors(frame, nothing(kAnchorsSize), 0.1);
+  const cv::Mat filled = sketch::fill(frame, mask).levels;
+  CHECK(cv::norm(filled, frame, cv::NORM_L2) / std::sqrt(double(frame.total())) < 20);
+}
+
+TEST_CASE("Anchors of a grey frame in three channels are those of one", "[sketch][anchors]") {
   const cv::Mat frame = make_frame(kAnchorsSize, 7);
   cv::Mat colour;
   cv::merge(std::vector<cv::Mat>{frame, frame, frame}, colour);

@@ -23,6 +23,18 @@ TEST_CASE("A patch without edges is drawn 2.5 px to both sides, an anchor is no 
   }
 }
 
+TEST_CASE("Bands beside anchors are a third as wide, and no narrower without") {
+  Frame frame;
+  frame.line({{20, 50}, {26, 50}, {32, 50}});
+  const auto whole = sketch::make_bands(frame.graph()), cores = sketch::make_bands(frame.graph(), true);
+  REQUIRE(cores.size() == whole.size());
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    CHECK(whole[i].a.reach == sketch::profile_reach(frame.vertices[0].patch));
+    CHECK_THAT(cores[i].a.reach, WithinAbs(0.35 * whole[i].a.reach, 1e-12));
+    CHECK_THAT(cores[i].b.reach, WithinAbs(0.35 * whole[i].b.reach, 1e-12));
+  }
+}
+
 TEST_CASE("What only joins the outlines of a thing is no band") {
   Frame frame;
   frame.line({{20, 50}, {26, 50}, {32, 50}});
