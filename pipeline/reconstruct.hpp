@@ -31,7 +31,7 @@ Reconstruction reconstruct(const cv::Mat& levels, const graph::AttributeGraph& g
 sketch::Sketchable draw_patches(const cv::Mat& levels, const graph::AttributeGraph& graph,
                                 PatchDrawing drawing);
 
-/// Adds anchors to a frame's graph where the diffusion needs them most beside the cores of its patches.
+/// Adds anchors to a frame's graph, at the pixels that the diffusion needs most around the patches' cores.
 /// Together they show at most `share` (0…1) of the frame; adds none where the cores already show that much.
 graph::AttributeGraph add_anchors(const graph::AttributeGraph& graph, const cv::Mat& levels,
                                   PatchDrawing drawing, double share);

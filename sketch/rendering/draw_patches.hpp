@@ -21,7 +21,7 @@ struct PatchPlanes {
   float* weights = nullptr;
   std::uint8_t* mask = nullptr;  ///< becomes 255 where a patch lies
   float* values = nullptr;       ///< a number a pixel, or none
-  bool cores = false;            ///< of bands: the pixels beside them are held by anchors
+  bool cores = false;            ///< draw only the cores of bands, for graphs with anchors
 };
 
 /// Draws the patches that are no anchors, as draw_fitted (render.hpp) says, without OpenCV's functions.

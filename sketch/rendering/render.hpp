@@ -31,8 +31,8 @@ struct Sketchable {
 /// mask), beside clearing the frame.
 Sketchable draw_fitted(const graph::AttributeGraph& graph, cv::Size size, int channels);
 
-/// Draws the patches' cores: bands with 0.35 of their reach. What anchors are chosen beside: a pixel held
-/// where the picture needs it is worth more than one at the rim of a band. As draw_fitted otherwise.
+/// Draws the patches' cores: bands with 0.35 of their reach. Anchors are chosen around these: a pixel
+/// where the picture needs it is worth more than one at the rim of a band. Otherwise as draw_fitted.
 Sketchable draw_cores(const graph::AttributeGraph& graph, cv::Size size, int channels);
 
 /// Holds a drawn sketch and a further value at each of its pixels.

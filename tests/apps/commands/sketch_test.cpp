@@ -99,7 +99,7 @@ TEST_CASE("where the patches show as much as the anchors may there are none and 
   CHECK(bytes_of(temp / "with/reconstruction.avi") == bytes_of(temp / "without/reconstruction.avi"));
 }
 
-TEST_CASE("anchors are as many pixels as still fit beside the cores of patches, and the frame's own") {
+TEST_CASE("anchors fill the share that the cores of patches leave, with the frame's own pixels") {
   const TempFolder temp;
   const cv::Mat noise = noise_frame({60, 40}, CV_8UC1, 7);
   cv::Mat levels;

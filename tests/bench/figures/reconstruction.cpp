@@ -26,7 +26,7 @@ namespace {
 
 using sketch::Sketchable;
 
-/// Adds anchors beside the cores of the patches, which show `cores`, up to the whole share.
+/// Adds anchors until they and the `cores` of the patches make up the whole share.
 graph::AttributeGraph with_anchors(const graph::AttributeGraph& graph, const cv::Mat& levels,
                                    const Sketchable& cores) {
   const double room = std::max(kShare - cores.share(), 0.0);

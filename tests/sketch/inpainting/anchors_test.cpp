@@ -133,7 +133,7 @@ TEST_CASE("Anchors turn with the frame", "[sketch][anchors]") {
 }
 
 TEST_CASE("Anchors go where only the colour changes, too", "[sketch][anchors]") {
-  // Green beside red of the same luma.
+  // Left green, right red, of the same luma.
   cv::Mat frame(kAnchorsSize, CV_32FC3, cv::Scalar(0, 100, 0));
   const int middle = kAnchorsSize.width / 2;
   frame.colRange(middle, kAnchorsSize.width).setTo(cv::Scalar(0, 0, 58.7 / 0.299));
