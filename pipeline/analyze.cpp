@@ -10,13 +10,11 @@
 #include "core/freed_memory.hpp"
 #include "core/stage_clock.hpp"
 #include "graph/curves/curve_strokes.hpp"
-#include "mcmc/sampler/multi_chain.hpp"
 #include "pipeline/figures/figures.hpp"
 #include "pipeline/footage/footage.hpp"
 #include "pipeline/inference/cuts.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
-#include "pipeline/readings.hpp"
 #include "pipeline/stages/analysis_stages.hpp"
 #include "sketch/background/static_pixels.hpp"
 #include "sketch/background/still_background.hpp"
@@ -35,12 +33,6 @@ void check_two_frames(const std::string& clip, std::int64_t frames) {
 void check_options(const AnalyzeOptions& options) {
   options.sketch.validate();
   options.match.validate();
-  options.starts.validate();
-  options.infer.validate();
-  if (options.bottom_up && options.sample)
-    throw core::InputError("AnalyzeOptions.bottom_up and sample exclude each other");
-  if (options.curve_events && options.sample)
-    throw core::InputError("AnalyzeOptions.curve_events and sample exclude each other");
   if (!(options.least_probability >= 0 && options.least_probability <= 1))
     throw core::InputError("AnalyzeOptions.least_probability is " +
                            std::to_string(options.least_probability) + "; allowed is 0 to 1");
@@ -75,52 +67,20 @@ bool holds_figures(const Figures& figures) {
   return std::ranges::any_of(figures.motion.sketch.frames, [](const auto& graph) { return !graph.empty(); });
 }
 
-/// Finds graphs and events from the sketches of the clip; samples of graphs give the motion model, too.
-void infer_motion(core::FrameSource& source, const StartSketches& sketches, Figures figures,
-                  const AnalyzeOptions& options, Analysis& analysis, mcmc::FitResult& fitted,
-                  core::StageClock& clock, const core::Context& context) {
+/// Finds graphs and events from the sketch of the clip.
+void infer_motion(core::FrameSource& source, const graph::SketchSequence& sketch, Figures figures,
+                  const AnalyzeOptions& options, Analysis& analysis, core::StageClock& clock,
+                  const core::Context& context) {
   clock.begin("match");
   core::return_freed_memory();
-  if (!options.sample) {
-    analysis.motion = graph::match(sketches.clip.sketch, options.match, context);
-    clock.begin("curves");
+  analysis.motion = graph::match(sketch, options.match, context);
+  clock.begin("curves");
+  group_curves(analysis, context);
+  analysis.all_events = find_events(source, options, analysis.motion, clock, context);
+  if (holds_figures(figures)) {
+    add_figures(analysis.motion, analysis.all_events, std::move(figures));
     group_curves(analysis, context);
-    analysis.all_events = find_events(source, options, analysis.motion, clock, context);
-    if (holds_figures(figures)) {
-      add_figures(analysis.motion, analysis.all_events, std::move(figures));
-      group_curves(analysis, context);
-    }
-  } else {
-    const auto starts = match_starts(sketches, options.match, options.starts, context);
-    clock.begin("sample");
-    auto sampled = mcmc::sample_chains(starts, options.infer, options.seed, context);
-    fitted = std::move(sampled.fitted);
-    analysis.motion = sampled.last.front();
-    clock.begin("curves");
-    group_curves(analysis, context);
-    clock.begin("events");
-    analysis.all_events = event_posterior(source, sampled.last.front(), context);
-    weigh_by_samples(sampled.last, analysis.all_events);
-    analysis.sampled = std::move(sampled.sampler);
   }
-}
-
-/// Sketches the clip and the copies that its interpretations need, or reads the sketches that are kept.
-StartSketches sketch_readings(core::FrameSource& source, const AnalyzeOptions& options,
-                              const AnalysisStages* stages, const core::Context& context) {
-  StartOptions starts = options.starts;
-  if (!options.sample) starts.chains = 1;
-  if (stages == nullptr || options.sample)
-    return sketch_starts(source, options.sketch, starts, options.seed, context);
-  return {stages->sketch(source, options.sketch, context), {}};
-}
-
-/// Adds to the sketches the patches that they lack although the clip shows them.
-StartSketches with_lasting_patches(core::FrameSource& source, StartSketches sketches,
-                                   const core::Context& context) {
-  sketches.clip.sketch = add_lasting_patches(source, sketches.clip.sketch, context);
-  for (graph::SketchSequence& copy : sketches.perturbed) copy = add_lasting_patches(source, copy, context);
-  return sketches;
 }
 
 /// Leaves out the joints of curves that their frame does not have.
@@ -158,11 +118,11 @@ std::string words_of(const std::vector<int>& cuts) {
 }
 
 /// Finds motion and events, or reads those that are kept; the motion model is learned where it is not kept.
-void find_motion(core::FrameSource& source, const StartSketches& sketches, const AnalyzeOptions& options,
-                 const AnalysisStages* stages, bool has_model, Analysis& analysis, mcmc::FitResult& fitted,
-                 core::StageClock& clock, const core::Context& context) {
-  const bool keeps = stages != nullptr && !options.sample;
-  auto kept = keeps ? stages->read_motion(context) : std::nullopt;
+void find_motion(core::FrameSource& source, const graph::SketchSequence& sketch,
+                 const AnalyzeOptions& options, const AnalysisStages* stages, bool has_model,
+                 Analysis& analysis, mcmc::FitResult& fitted, core::StageClock& clock,
+                 const core::Context& context) {
+  auto kept = stages != nullptr ? stages->read_motion(context) : std::nullopt;
   if (kept) {
     analysis.motion = std::move(kept->motion);
     analysis.joints = std::move(kept->joints);
@@ -171,20 +131,17 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
   } else {
     clock.begin("carry");
     analysis.cuts = find_cuts(source, context.with_progress({}));
-    StartSketches filled = with_lasting_patches(source, sketches, context);
+    graph::SketchSequence filled = add_lasting_patches(source, sketch, context);
     Figures figures;
-    if (options.figures && !options.bottom_up && !options.curve_events && !options.sample) {
+    if (options.figures && !options.bottom_up && !options.curve_events) {
       clock.begin("figures");
-      figures = find_figures(source, filled.clip.sketch, context);
+      figures = find_figures(source, filled, context);
     }
-    if (holds_figures(figures)) {
-      filled.clip.sketch = without_outlines(filled.clip.sketch, figures.motion.sketch);
-      for (graph::SketchSequence& copy : filled.perturbed)
-        copy = without_outlines(copy, figures.motion.sketch);
-    }
-    infer_motion(source, filled, std::move(figures), options, analysis, fitted, clock, context);
+    if (holds_figures(figures)) filled = without_outlines(filled, figures.motion.sketch);
+    infer_motion(source, filled, std::move(figures), options, analysis, clock, context);
     if (!options.bottom_up) disbelieve_cuts(analysis.all_events, analysis.cuts);
-    if (keeps) stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events, analysis.cuts});
+    if (stages != nullptr)
+      stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events, analysis.cuts});
   }
   if (!analysis.cuts.empty()) context.warn(words_of(analysis.cuts));
   if (options.review) {
@@ -197,8 +154,7 @@ void find_motion(core::FrameSource& source, const StartSketches& sketches, const
   if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());
   core::return_freed_memory();
   // Of a stroke that is believed pieces may be left, which the model takes as strokes.
-  if (!has_model && !options.sample)
-    fitted = mcmc::fit(graph::identify(analysis.motion), {options.seed, true}, context);
+  if (!has_model) fitted = mcmc::fit(graph::identify(analysis.motion), {options.seed, true}, context);
   core::return_freed_memory();
 }
 
@@ -242,15 +198,17 @@ Analysis analyze(core::FrameSource& source, const AnalyzeOptions& options, const
   core::StageClock clock;
   clock.begin("sketch");
   if (source.info().frames) check_two_frames(options.clip, *source.info().frames);
-  auto sketches = sketch_readings(source, options, stages, context);
-  check_two_frames(options.clip, static_cast<std::int64_t>(sketches.clip.sketch.frames.size()));
-  if (options.keep_sketch) analysis.sketched = sketches.clip;
+  SketchedClip sketched = stages != nullptr ? stages->sketch(source, options.sketch, context)
+                                            : sketch_clip(source, options.sketch, context);
+  check_two_frames(options.clip, static_cast<std::int64_t>(sketched.sketch.frames.size()));
+  if (options.keep_sketch) analysis.sketched = sketched;
   auto learned = stages != nullptr ? stages->read_model() : std::nullopt;
   sketch::Background background;
-  if (!learned) background = sketch::estimate_background(sketches.clip.grounds);
-  sketches.clip.grounds = {};  // they grow with the clip, and nothing else needs them
+  if (!learned) background = sketch::estimate_background(sketched.grounds);
+  sketched.grounds = {};  // they grow with the clip, and nothing else needs them
   mcmc::FitResult fitted;
-  find_motion(source, sketches, options, stages, learned.has_value(), analysis, fitted, clock, context);
+  find_motion(source, sketched.sketch, options, stages, learned.has_value(), analysis, fitted, clock,
+              context);
   if (!learned) {
     learned =
         learn_model(source, std::move(background), options, analysis, std::move(fitted), clock, context);

@@ -10,7 +10,6 @@
 
 #include "core/clip.hpp"
 #include "core/context.hpp"
-#include "core/option_field.hpp"
 #include "graph/curves/curve_identity.hpp"
 #include "graph/events/event_names.hpp"
 #include "graph/events/events.hpp"
@@ -19,7 +18,7 @@
 #include "graph/motion_graph.hpp"
 #include "mcmc/learning/clip_statistics.hpp"
 #include "mcmc/learning/fit.hpp"
-#include "mcmc/sampler/infer.hpp"
+#include "mcmc/sampler/sampler_run.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/review/review_calibration.hpp"
@@ -28,33 +27,14 @@
 
 namespace emberfold::pipeline {
 
-/// Holds the number of interpretations of the clip from which a sampler's chains start.
-struct StartOptions {
-  int chains = 3;  ///< with an odd number no share is exactly one half
-
-  /// Returns the fields' descriptions for checks, help and docstrings.
-  static auto fields() {
-    using core::between;
-    return std::to_array<core::OptionField<StartOptions>>({
-        {"chains", &StartOptions::chains, "N", between(1, 64),
-         "Number of sampler chains, started from the clip and from copies of it in noise"},
-    });
-  }
-  /// Throws core::InputError naming field, value and range.
-  void validate() const;
-};
-
 /// Holds the settings of analyze().
 struct AnalyzeOptions {
   sketch::ExtractOptions sketch = kFollowedSketch;
   graph::MatchOptions match = {};
-  StartOptions starts = {};
-  mcmc::InferOptions infer = {};
   bool bottom_up = false;     ///< the match unchanged, each event of probability 1
   bool curve_events = false;  ///< events of curves, not of strokes; touching and crossing are no events
-  /// Also follows figures, things wider than a line (find_figures); not with the three options about them.
+  /// Also follows figures, things wider than a line (find_figures); not with the two options above.
   bool figures = true;
-  bool sample = false;                 ///< sample graphs and links; events are then taken from the samples
   double least_probability = kLikely;  ///< 0…1, of reported events
   bool keep_sketch = false;            ///< keep sketches as extracted, and the backgrounds of the frames
   /// Answers of a person about the clip's events: taken as facts, the others are inferred anew
@@ -89,8 +69,8 @@ struct Analysis {
   ClipModel model;
   /// Rates of births, deaths, splits, merges, connects and disconnects, per frame, with their intervals.
   std::array<mcmc::RateInterval, 6> rates{};
-  std::optional<mcmc::InferResult> sampled;  ///< with AnalyzeOptions::sample
-  std::optional<ReviewedClip> reviewed;      ///< with AnalyzeOptions::review; its events are all_events
+  std::optional<mcmc::SamplerRun> sampled;  ///< how a sampler ran; none without one
+  std::optional<ReviewedClip> reviewed;     ///< with AnalyzeOptions::review; its events are all_events
   std::vector<core::StageTime> stages;
 };
 

@@ -205,11 +205,9 @@ Json analysis_json(const pipeline::Analysis& found, const AnalyzeOptions& option
   Json& summary = begun;
   const auto& motion = found.motion;
   summary["options"] = {
-      {"reading", reading_json(options.read)},         {"sketch", options_json(options.sketch)},
-      {"match", options_json(options.match)},          {"starts", options_json(options.starts)},
-      {"infer", options_json(options.infer)},          {"bottom_up", options.bottom_up},
-      {"curve_events", options.curve_events},          {"sample", options.sample},
-      {"least_probability", options.least_probability}};
+      {"reading", reading_json(options.read)}, {"sketch", options_json(options.sketch)},
+      {"match", options_json(options.match)},  {"bottom_up", options.bottom_up},
+      {"curve_events", options.curve_events},  {"least_probability", options.least_probability}};
   Json per_frame = per_frame_json(motion, found.events);
   summary["sketch"] = sketch_json(per_frame, pictures);
   summary["motion"] = motion_json(motion);

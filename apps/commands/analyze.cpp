@@ -135,8 +135,6 @@ AnalyzeOptions check_analysis(const AskedAnalysis& asked, const Session& session
                  "; allowed is 0 to 1");
   check_options(options.sketch, "sketch");
   check_options(options.match, "match");
-  check_options(options.starts, "starts");
-  check_options(options.infer, "infer");
   return options;
 }
 
@@ -147,16 +145,10 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
                   "draft (events as matched) or normal (weighed by what the clip shows)")
       ->type_name("HOW")
       ->default_str(asked.quality);
-  auto* const bottom_up = command.add_flag("--bottom-up", options.bottom_up,
-                                           "Take the match as it is: every event has probability 1");
-  auto* const curve_events =
-      command.add_flag("--curve-events", options.curve_events,
-                       "Events of curves, not of strokes: to touch and to cross is none");
-  command
-      .add_flag("--sample", options.sample,
-                "Sample graphs and links by MCMC (slow; see docs/method/sampler.md)")
-      ->excludes(bottom_up)
-      ->excludes(curve_events);
+  command.add_flag("--bottom-up", options.bottom_up,
+                   "Take the match as it is: every event has probability 1");
+  command.add_flag("--curve-events", options.curve_events,
+                   "Events of curves, not of strokes: to touch and to cross is none");
   add_number(command, "--least-probability", options.least_probability, "P",
              "Report events of this probability or more; 0.5 if not given")
       ->default_str("");  // the column of names would be too wide
@@ -169,8 +161,6 @@ void add_analysis_options(CLI::App& command, AskedAnalysis& asked, CommandLine& 
   command.add_flag("--reconstruction", options.reconstruction,
                    "Write reconstruction.avi too, and measure the PSNR of every frame");
   settings->add("match", options.match);
-  settings->add("starts", options.starts);
-  settings->add("infer", options.infer);
 }
 
 void add_analyze(CLI::App& app, CommandLine& line) {

@@ -14,7 +14,7 @@
 #include "core/io/staged_output.hpp"
 #include "graph/events/events.hpp"
 #include "graph/motion_graph.hpp"
-#include "pipeline/image_evidence.hpp"
+#include "pipeline/gain_totals.hpp"
 #include "pipeline/reconstruct.hpp"
 
 namespace emberfold::apps {

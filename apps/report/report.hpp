@@ -56,7 +56,7 @@ struct ReportInput {
   std::vector<std::complex<double>> eigenvalues;  ///< of the linear dynamic texture, if any
   std::optional<ReportClips> clips;               ///< drawn from the models, next to their source
   std::optional<ReportMeasures> measures;         ///< distances of the drawn clips
-  const mcmc::InferResult* sampled = nullptr;     ///< if a sampler was used
+  const mcmc::SamplerRun* sampled = nullptr;      ///< if a sampler was used
   std::span<const graph::Event> all_events;       ///< its events of any probability
   std::vector<RateInterval> rates;                ///< its rates
 };

@@ -44,14 +44,14 @@ Json diagnosis_json(const TraceDiagnosis& trace) {
           {"tail_ess", number_json(d.tail_ess)}};
 }
 
-std::size_t trace_length(const mcmc::InferResult& result) {
+std::size_t trace_length(const mcmc::SamplerRun& result) {
   std::size_t length = 0;
   for (const auto& trace : result.traces)
     for (const auto& chain : trace.chains) length = std::max(length, chain.size());
   return length;
 }
 
-std::size_t kept_sweeps(const mcmc::InferResult& result) {
+std::size_t kept_sweeps(const mcmc::SamplerRun& result) {
   const std::size_t length = trace_length(result);
   return length - std::min(length, static_cast<std::size_t>(std::max(0, result.burn_in)));
 }
@@ -94,7 +94,7 @@ Json trace_json(const mcmc::Trace& trace, std::size_t step) {
 
 }  // namespace
 
-std::vector<TraceDiagnosis> diagnose_traces(const mcmc::InferResult& result) {
+std::vector<TraceDiagnosis> diagnose_traces(const mcmc::SamplerRun& result) {
   std::vector<TraceDiagnosis> list;
   for (const auto& trace : result.traces) {
     std::vector<std::vector<double>> kept;
@@ -133,12 +133,11 @@ Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
   return result;
 }
 
-Json sampler_json(const mcmc::InferResult& result) {
+Json sampler_json(const mcmc::SamplerRun& result) {
   const auto traces = diagnose_traces(result);
   Json out = {{"chains", result.chains},
               {"sweeps", kept_sweeps(result)},
               {"burn_in", result.burn_in},
-              {"samples", result.samples.size()},
               {"proposals", result.proposals},
               {"processor_seconds", number_json(result.seconds)},
               {"proposals_per_second",
@@ -160,7 +159,7 @@ Json sampler_json(const mcmc::InferResult& result) {
   return out;
 }
 
-Json report_sampler(const mcmc::InferResult& result, std::span<const RateInterval> rates) {
+Json report_sampler(const mcmc::SamplerRun& result, std::span<const RateInterval> rates) {
   const auto diagnoses = diagnose_traces(result);
   const auto told = assurance(diagnoses);
   const std::size_t length = trace_length(result), count = std::min(result.traces.size(), kTraces);
@@ -171,7 +170,6 @@ Json report_sampler(const mcmc::InferResult& result, std::span<const RateInterva
               {"burn_in", result.burn_in},
               {"length", length},
               {"step", step},
-              {"samples", result.samples.size()},
               {"proposals", result.proposals},
               {"seconds", number_json(result.seconds)},
               {"sure", told.sure},

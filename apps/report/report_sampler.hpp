@@ -9,7 +9,7 @@
 
 #include "graph/events/events.hpp"
 #include "mcmc/sampler/diagnostics.hpp"
-#include "mcmc/sampler/infer.hpp"
+#include "mcmc/sampler/sampler_run.hpp"
 
 // Writes the sampler's results as JSON of bounded size, for the summary and the report.
 namespace emberfold::apps {
@@ -27,7 +27,7 @@ struct TraceDiagnosis {
   mcmc::Diagnosis found;  ///< of the draws after burn-in
 };
 /// Diagnoses every trace of a result without its burn-in.
-std::vector<TraceDiagnosis> diagnose_traces(const mcmc::InferResult& result);
+std::vector<TraceDiagnosis> diagnose_traces(const mcmc::SamplerRun& result);
 
 /// The verdict on convergence, in sentences.
 struct Assurance {
@@ -39,10 +39,10 @@ struct Assurance {
 Assurance assurance(const std::vector<TraceDiagnosis>& traces);
 
 /// Writes the object `sampler` of summary.json.
-nlohmann::ordered_json sampler_json(const mcmc::InferResult& result);
+nlohmann::ordered_json sampler_json(const mcmc::SamplerRun& result);
 
 /// Writes the report's section: traces thinned to about 20 000 numbers in all, diagnoses, sentences, rates.
-nlohmann::ordered_json report_sampler(const mcmc::InferResult& result, std::span<const RateInterval> rates);
+nlohmann::ordered_json report_sampler(const mcmc::SamplerRun& result, std::span<const RateInterval> rates);
 
 /// Counts the events of each class (by all_event_types) by tenths of probability, 1 in the last, and sums
 /// their probabilities: {"tenths": [[…10] …6], "expected": […6]}.

@@ -12,7 +12,7 @@ function buildSampler() {
   if (!sampler) return;
   $("sure").hidden = false;
   const speed = sampler.seconds > 0 ? `, ${figure(sampler.proposals / sampler.seconds)} of them a second of processor time` : "";
-  $("sure-lead").textContent = `${plural(sampler.chains, "chain")} of ${plural(sampler.length, "sweep")} each, the first ${number(sampler.burn_in)} of them for learning alone; ${number(sampler.samples)} states of graphs and links were kept, out of ${number(sampler.proposals)} proposals${speed}. Events are looked for in the images, in the last state of each chain.`;
+  $("sure-lead").textContent = `${plural(sampler.chains, "chain")} of ${plural(sampler.length, "sweep")} each, the first ${number(sampler.burn_in)} of them for learning alone; ${number(sampler.proposals)} proposals${speed}.`;
   for (const sentence of sampler.sentences) $("sure-says").append(make("p", {class: sampler.sure ? "" : "note"}, sentence));
   buildProbabilities(sampler.probabilities);
   buildRateIntervals(sampler.rates);

@@ -77,7 +77,7 @@ FrameCost measure_frames(core::FrameSource& source, std::int64_t frames,
 std::optional<RunEstimate> estimate_run(core::FrameSource& source, const AnalyzeOptions& options,
                                         int threads) {
   const auto& info = source.info();
-  if (!info.frames || *info.frames < 2 || options.sample) return std::nullopt;
+  if (!info.frames || *info.frames < 2) return std::nullopt;
   const auto [one, patches] = measure_frames(source, *info.frames, options.sketch);
   if (one == 0) return std::nullopt;
   const double pixels = double(info.width) * info.height;

@@ -56,10 +56,8 @@ std::optional<RunKeys> run_keys(const std::string& clip, const std::string& revi
   RunKeys keys;
   keys.stages.sketch = hash({kVersion, input, io::clip_identity(options.read.mask),
                              reading_json(options.read).dump(), options_json(options.sketch).dump()});
-  keys.stages.motion =
-      hash({keys.stages.sketch, number, options_json(options.match).dump(),
-            options_json(options.starts).dump(), options_json(options.infer).dump(),
-            flags({options.bottom_up, options.curve_events, options.figures, options.sample})});
+  keys.stages.motion = hash({keys.stages.sketch, number, options_json(options.match).dump(),
+                             flags({options.bottom_up, options.curve_events, options.figures})});
   keys.stages.model =
       hash({keys.stages.motion, std::to_string(options.least_probability), io::clip_identity(review)});
   keys.run = hash({keys.stages.model, clip, flags({options.reconstruction, options.jsonl})});

@@ -48,8 +48,8 @@ std::vector<Link> supported_links(const AttributeGraph& before, const AttributeG
 /// Matched are first curves by count, shape, appearance and degree, then control points in order along
 /// matched curves, then remaining points by assignment. This is done in the order of time and against it;
 /// where the two differ, the simpler one counts, so that a clip played backwards has the same graph
-/// backwards. Flicker is removed and the clip matched again. The result is the start of the sampler; it is
-/// without the sketch's anchors. Throws InputError for invalid options, Cancelled if `context` is stopped.
+/// backwards. Flicker is removed and the clip matched again. The result is without the sketch's
+/// anchors. Throws InputError for invalid options, Cancelled if `context` is stopped.
 MotionGraph match(SketchSequence sketch, const MatchOptions& options, const core::Context& context = {});
 
 }  // namespace emberfold::graph

@@ -19,10 +19,6 @@ inline constexpr double kLikely = 0.5;  ///< least probability of reported event
 std::vector<graph::Event> event_posterior(core::FrameSource& source, const graph::MotionGraph& motion,
                                           const core::Context& context = {});
 
-/// Multiplies the probability of each event by the share of the samples of a clip's graphs that have it: an
-/// event of its family at most 2 frames and 10 px from it. `samples`: at least one. O(samples · events²).
-void weigh_by_samples(std::span<const graph::MotionGraph> samples, std::vector<graph::Event>& events);
-
 /// Makes the graph of a matched clip agree with its weighed events: it changes where events of this
 /// probability or more do (graph::keep_believed), and skipped patches are linked
 /// (graph::link_skipped_patches). `cuts`: of find_cuts.

@@ -17,7 +17,6 @@ from ._native import (
     ClipSynthesisOptions,
     CompareOptions,
     ExtractOptions,
-    InferOptions,
     InputError,
     IoError,
     MatchOptions,
@@ -27,7 +26,6 @@ from ._native import (
     OperatorRates,
     QuiltOptions,
     SketchSequence,
-    StartOptions,
     __version__,
 )
 from .clip import Clip, write_video
@@ -39,8 +37,8 @@ from .shown import show_compiled
 
 __all__ = [
     "AnalyzeOptions", "Cancelled", "Clip", "ClipModel", "ClipSynthesisOptions", "CompareOptions",
-    "Comparison", "ExtractOptions", "InferOptions", "InputError", "IoError", "MatchOptions", "ModelComparison",
-    "MotionGraph", "MotionModel", "NumericalError", "OperatorRates", "QuiltOptions", "Run", "SketchSequence", "StartOptions", "analyze",
+    "Comparison", "ExtractOptions", "InputError", "IoError", "MatchOptions", "ModelComparison",
+    "MotionGraph", "MotionModel", "NumericalError", "OperatorRates", "QuiltOptions", "Run", "SketchSequence", "analyze",
     "compare", "compare_models", "dytex", "graph", "mcmc", "measure_quilt", "measures", "open", "quilt", "rates", "read_run", "render_quilt",
     "sketch", "write_video",
 ]

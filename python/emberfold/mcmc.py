@@ -7,11 +7,11 @@ from typing import Any
 import pandas as pd
 
 from . import _native
-from ._native import (EVENT_TYPES, Autoregression, InferOptions, MotionGraph, MotionModel, OperatorRates, predict,
-                      rate_interval, spectral_radius, stationary_deviation)
+from ._native import (EVENT_TYPES, Autoregression, MotionGraph, MotionModel, OperatorRates, predict, rate_interval,
+                      spectral_radius, stationary_deviation)
 from .progress import Progress, reporter
 
-__all__ = ["Autoregression", "InferOptions", "MotionModel", "OperatorRates", "fit", "predict", "rate_interval", "spectral_radius",
+__all__ = ["Autoregression", "MotionModel", "OperatorRates", "fit", "predict", "rate_interval", "spectral_radius",
            "stationary_deviation", "synthesize", "transition_likelihoods"]
 
 

@@ -15,7 +15,7 @@ from .clip import Clip
 FORMAT = "emberfold.python_run"
 NO_ORIGIN = {"x": 0., "y": 0., "time_s": 0., "origin": ""}
 STAGES = {"sketch": ("sketch",),
-          "motion": ("seed", "match", "starts", "infer", "bottom_up", "curve_events", "figures", "sample"),
+          "motion": ("seed", "match", "bottom_up", "curve_events", "figures"),
           "model": ("least_probability",)}  # what each depends on, in addition to the stages before it
 
 

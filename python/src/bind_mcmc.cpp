@@ -13,7 +13,6 @@
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/model/motion_model.hpp"
-#include "mcmc/sampler/infer.hpp"
 #include "mcmc/simulation/event_statistics.hpp"
 #include "mcmc/simulation/predict.hpp"
 #include "mcmc/simulation/synthesize.hpp"
@@ -261,8 +260,6 @@ void bind_mcmc(py::module_& module) {
       .def_readwrite("displacement", &MotionModel::displacement, doc("mcmc::MotionModel::displacement"))
       .def_readwrite("contrast", &MotionModel::contrast, doc("mcmc::MotionModel::contrast"))
       .def_readwrite("rates", &MotionModel::rates, doc("mcmc::MotionModel::rates"));
-  using Infer = mcmc::InferOptions;
-  OptionsClass<Infer>(module, "InferOptions", "mcmc::InferOptions").described_fields().finish();
   module.def(
       "rate_interval",
       [](double events, double time, double variance, double prior_events, double prior_time,

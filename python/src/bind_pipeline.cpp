@@ -23,18 +23,12 @@ namespace emberfold::python {
 namespace {
 
 void bind_options(py::module_& module) {
-  OptionsClass<pipeline::StartOptions>(module, "StartOptions", "pipeline::StartOptions")
-      .described_fields()
-      .finish();
   using Options = pipeline::AnalyzeOptions;
   OptionsClass<Options>(module, "AnalyzeOptions", "pipeline::AnalyzeOptions")
       .field("sketch", &Options::sketch)
       .field("match", &Options::match)
-      .field("starts", &Options::starts)
-      .field("infer", &Options::infer)
       .field("bottom_up", &Options::bottom_up)
       .field("curve_events", &Options::curve_events)
-      .field("sample", &Options::sample)
       .field("figures", &Options::figures)
       .field("least_probability", &Options::least_probability)
       .field("review", &Options::review)

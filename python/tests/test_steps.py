@@ -132,13 +132,13 @@ def test_every_field_of_the_options_is_there():
     only_in_cpp = {"AnalyzeOptions": {"keep_sketch"}, "ClipSynthesisOptions": {"edit"},  # model.edit() in Python
                    "CompareOptions": {"in_full"}}
     rooms = {"AnalyzeOptions": "pipeline", "CompareOptions": "pipeline", "ClipSynthesisOptions": "pipeline",
-             "QuiltOptions": "dytex", "StartOptions": "pipeline"}
+             "QuiltOptions": "dytex"}
     for name, room in rooms.items():
         told = {text.rsplit("::", 1)[1] for text in TEXTS if text.startswith(f"{room}::{name}::")}
         missing = told - set(getattr(ef, name).FIELDS) - only_in_cpp.get(name, set()) - {"validate"}
         assert told and not missing, (name, missing)
     # The fields of these are taken from the structs' own tables.
-    for name in ("ExtractOptions", "MatchOptions", "InferOptions", "StartOptions"):
+    for name in ("ExtractOptions", "MatchOptions"):
         assert getattr(ef, name).FIELDS, name
         for field in getattr(ef, name).FIELDS:
             assert getattr(getattr(ef, name), field).__doc__, (name, field)

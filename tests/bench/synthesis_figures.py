@@ -4,8 +4,8 @@
 
     synthesis_figures.py build/release/apps/emberfold OUT flag.avi:0:120 smoke.mp4:60:180 ...
 
-Each clip (CLIP[:FIRST:END]) is reduced to 320 px, learned by `analyze`, drawn anew by `synth` and, as the
-yardstick, by `dytex learn` and `dytex synth`; all are analysed by `analyze --bottom-up`, and what that finds is
+Each clip (CLIP[:FIRST:END]) is reduced to 320 px, learned by `analyze --bottom-up`, drawn anew by `synth` and, as the
+yardstick, by `dytex learn` and `dytex synth`; all are analysed in the same way, and what that finds is
 set side by side. Needs ffmpeg and numpy. What is there already in OUT is used again.
 
 Rates are events a frame, with the 95 % interval of the source's: of a Gamma law of shape (n + 1/2)/phi for n events, phi
@@ -106,11 +106,10 @@ def apart(source, other, gaps):
     return float(np.sqrt(np.mean(np.square(logs))))
 
 
-def synthesized(binary, clip, out, frames, learn, with_texture):
+def synthesized(binary, clip, out, frames, with_texture):
     stem = clip.stem
     model, ours = out / f"{stem}.learned", out / f"{stem}.new.avi"
-    if not (model / "summary.json").exists():
-        run(binary, "analyze", clip, "-o", model, *learn, "-q")
+    analysed(binary, clip, model)
     if not ours.exists():
         run(binary, "synth", model / "model", "-o", ours, "--frames", frames, "--start", "stationary", "-q")
     texture, theirs = out / f"{stem}.dytex", out / f"{stem}.dytex.avi"
@@ -129,15 +128,13 @@ def main():
     parser.add_argument("out", type=Path)
     parser.add_argument("clips", nargs="+", metavar="CLIP[:FIRST:END]")
     parser.add_argument("--frames", type=int, default=1000)
-    parser.add_argument("--sampled", action="store_true", help="learn by the sampler, not bottom-up")
     parser.add_argument("--no-dytex", action="store_true")
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     inside = rows_in_all = nearer = 0
     for spec in asked.clips:
         clip = prepare(spec, asked.out)
-        learn = [] if asked.sampled else ["--bottom-up"]
-        ours, theirs = synthesized(asked.emberfold, clip, asked.out, asked.frames, learn, not asked.no_dytex)
+        ours, theirs = synthesized(asked.emberfold, clip, asked.out, asked.frames, not asked.no_dytex)
         source, gaps = figures(analysed(asked.emberfold, clip, asked.out / f"{clip.stem}.source"))
         new, _ = figures(analysed(asked.emberfold, ours, asked.out / f"{clip.stem}.new"))
         linear = None

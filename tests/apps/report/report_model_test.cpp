@@ -10,7 +10,6 @@
 #include "apps/report/report.hpp"
 #include "apps/report/report_strip.hpp"
 #include "core/io/clip_reader.hpp"
-#include "pipeline/image_evidence.hpp"
 #include "tests/apps/report/page_data.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/clip_fixture.hpp"
@@ -194,19 +193,4 @@ TEST_CASE("clips of pure noise are made to fit the page") {
   CHECK(strip.mp4.size() <= kClipBytes);
   CHECK(strip.mp4.size() > kClipBytes / 8);
   CHECK(strip.frames >= 15);
-}
-
-TEST_CASE("a clip's evidence is the gain in its own frames") {
-  const auto strokes = made_strokes(3, 120, 90, 6);
-  const auto clip = plain_clip({120, 90}, 6, [&](int t) { return made_picture(strokes, 120, 90, t); });
-  core::ClipSource source(clip);
-  const pipeline::ImageEvidence evidence(source, {});
-  REQUIRE(evidence.frames() == 6);
-  const auto patch = made_patch(strokes[0], 3, 2);
-  for (int t = 0; t < 6; ++t) {
-    const auto frame =
-        sketch::prepare_coding(core::to_levels(clip.frames[static_cast<std::size_t>(t)], clip.info));
-    CHECK(evidence.gain(t, patch) == sketch::coding_gain(frame, patch));
-  }
-  for (const int t : {-1, 6}) CHECK_THROWS_AS(evidence.gain(t, patch), core::InputError);
 }

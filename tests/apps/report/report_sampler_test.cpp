@@ -34,12 +34,11 @@ mcmc::Trace made_trace(const std::string& name, int chains, int burn_in, int swe
   return trace;
 }
 
-mcmc::InferResult made_result(int chains = 4, int burn_in = 40, int sweeps = 200) {
-  mcmc::InferResult result;
+mcmc::SamplerRun made_result(int chains = 4, int burn_in = 40, int sweeps = 200) {
+  mcmc::SamplerRun result;
   result.chains = chains, result.burn_in = burn_in;
   result.traces = {made_trace("log posterior", chains, burn_in, sweeps, -1000),
                    made_trace("a1", chains, burn_in, sweeps, 1.5)};
-  result.samples.resize(8);
   result.proposals = 3e6, result.seconds = 1.5;
   return result;
 }
@@ -93,7 +92,6 @@ TEST_CASE("the summary has the sampler's figures") {
   CHECK(json["chains"] == 4);
   CHECK(json["sweeps"] == 200);
   CHECK(json["burn_in"] == 40);
-  CHECK(json["samples"] == 8);
   CHECK(json["proposals"] == 3e6);
   CHECK(json["proposals_per_second"] == 2e6);
   CHECK(json["acceptance"]["switch"] == 0.25);
@@ -106,12 +104,12 @@ TEST_CASE("the summary has the sampler's figures") {
 }
 
 TEST_CASE("what cannot be told of a sampler is null, not missing, and no infinity is written") {
-  mcmc::InferResult none;
+  mcmc::SamplerRun none;
   const OrderedJson json = sampler_json(none);
   for (const char* name : {"rhat_max", "rhat_max_of", "ess_min", "ess_min_of", "proposals_per_second"})
     CHECK(json[name].is_null());
   CHECK(json["sweeps"] == 0);
-  mcmc::InferResult apart;
+  mcmc::SamplerRun apart;
   apart.chains = 2;
   apart.traces = {{"event", {std::vector<double>(20, 0.0), std::vector<double>(20, 1.0)}}};
   CHECK(sampler_json(apart)["rhat_max"] == 1000);

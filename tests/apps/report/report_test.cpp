@@ -139,7 +139,7 @@ TEST_CASE("the report stays below its limit for a long, large, crowded clip of p
   input.model = &model;
   input.eigenvalues.assign(700, {0.123456, 0.654321});
   input.clips = ReportClips{{"a", "b", "c"}, std::vector<unsigned char>(kClipBytes, 77), 400, 226, 250, 25};
-  mcmc::InferResult sampled;
+  mcmc::SamplerRun sampled;
   sampled.chains = 8, sampled.burn_in = 1000;
   sampled.traces.assign(40, {"some number", std::vector(8, std::vector<double>(5000, -123.456))});
   input.sampled = &sampled;

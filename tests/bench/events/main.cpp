@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures events and learned motion and prints three tables; docs/benchmarks.md tells how to run it.
+// Measures events and learned motion and prints two tables; docs/benchmarks.md tells how to run it.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -15,8 +15,7 @@
 #include "graph/events/event_score.hpp"
 #include "tests/bench/events/clips.hpp"
 #include "tests/bench/events/lap.hpp"
-#include "tests/bench/events/reliability.hpp"
-#include "tests/bench/events/sampled.hpp"
+#include "tests/bench/events/matched.hpp"
 #include "tests/bench/figures/inputs.hpp"
 
 using namespace emberfold;
@@ -26,14 +25,13 @@ namespace {
 
 constexpr std::array<const char*, 3> kClips{"flag.avi", "river.mp4", "smoke.mp4"};
 constexpr int kFlicker = 3, kLasting = 4;  // frames: the match's own; what lasts 5 frames is left by 4
-constexpr double kNoise = 2, kSure = 0.9;
+constexpr double kNoise = 2;
 
 struct Arguments {
   std::filesystem::path scenes, clips;
-  int frames = 100;               // of a clip
-  bool peers = true;              // assignment
-  std::string only;               // a scene or clip
-  std::filesystem::path picture;  // of reliability, PNG; none where empty
+  int frames = 100;   // of a clip
+  bool peers = true;  // assignment
+  std::string only;   // a scene or clip
 };
 
 std::string from_environment(const char* name) {
@@ -42,23 +40,21 @@ std::string from_environment(const char* name) {
 }
 
 Arguments parse(const std::vector<std::string>& words) {
-  Arguments a{from_environment("EMBERFOLD_SCENES"), from_environment("EMBERFOLD_CLIPS"), 100, true, {}, {}};
+  Arguments a{from_environment("EMBERFOLD_SCENES"), from_environment("EMBERFOLD_CLIPS"), 100, true, {}};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& option = words[i];
     if (option == "--no-peers") {
       a.peers = false;
       continue;
     }
-    if (option != "--clips" && option != "--scenes" && option != "--frames" && option != "--only" &&
-        option != "--picture")
+    if (option != "--clips" && option != "--scenes" && option != "--frames" && option != "--only")
       throw std::runtime_error("no option " + option +
                                "; usage: event_figures [--scenes DIR] [--clips DIR] [--frames N] [--only "
-                               "NAME] [--picture PNG] [--no-peers]");
+                               "NAME] [--no-peers]");
     if (++i == words.size()) throw std::runtime_error(option + " needs a value");
     if (option == "--clips") a.clips = words[i];
     if (option == "--scenes") a.scenes = words[i];
     if (option == "--only") a.only = words[i];
-    if (option == "--picture") a.picture = words[i];
     if (option == "--frames") a.frames = std::atoi(words[i].c_str());
   }
   if (a.frames < 10) throw std::runtime_error("--frames must be a number from 10");
@@ -80,11 +76,6 @@ F1 f1(const std::vector<graph::Event>& truth, const std::vector<graph::Event>& f
 }
 std::string shown(F1 f) {
   return number(f.four, 3) + " " + number(f.six, 3);
-}
-
-std::vector<graph::Event> likely(std::vector<graph::Event> events, double probability) {
-  std::erase_if(events, [&](const graph::Event& e) { return e.probability < probability; });
-  return events;
 }
 
 /// The best of many settings, each scored against the truth: a favour that no user can do a peer.
@@ -129,69 +120,48 @@ std::string deviation(double learned, double truth) {
          (std::isnan(truth) ? "" : " (" + number(100 * (learned / truth - 1), 1) + " %)");
 }
 
-using Method = std::function<std::optional<Found>(const EventClip&)>;
+using Method = std::function<Found(const EventClip&)>;
 
 void print_own(const std::string& method, const EventClip& clip, const Method& run, double a1, double a2) {
-  const auto found = run(clip);
-  if (!found) {
-    std::printf("%-10s | %-8s | %17s | %18s | %14s | %14s | %7s\n", clip.name.c_str(), method.c_str(), "-",
-                "-", "-", "-", "-");
-    return;
-  }
-  const auto events = likely(found->events, 0.5);
-  const auto turned = likely(run(backwards(clip))->events, 0.5);
+  const Found found = run(clip);
+  const auto& events = found.events;
+  const auto turned = run(backwards(clip)).events;
   const auto back = told_forwards(turned, static_cast<int>(clip.frames.size()));
-  const auto sure = likely(found->events, kSure);
-  const auto noisy = likely(run(with_noise(clip, kNoise, 5))->events, kSure);
+  const auto noisy = run(with_noise(clip, kNoise, 5)).events;
   std::printf("%-10s | %-8s | %17s | %18s | %5s %4zu/%-4zu | %5s %4zu/%-4zu| %7s\n", clip.name.c_str(),
-              method.c_str(), deviation(found->a1, a1).c_str(), deviation(found->a2, a2).c_str(),
+              method.c_str(), deviation(found.a1, a1).c_str(), deviation(found.a2, a2).c_str(),
               number(agreement(events, back), 3).c_str(), events.size(), back.size(),
-              number(agreement(sure, noisy), 3).c_str(), sure.size(), noisy.size(),
-              number(found->seconds, 2).c_str());
+              number(agreement(events, noisy), 3).c_str(), events.size(), noisy.size(),
+              number(found.seconds, 2).c_str());
   std::fflush(stdout);
 }
 
 void print_all_own(const EventClip& clip, double a1, double a2) {
   print_own(
-      "raw", clip, [](const EventClip& c) { return std::optional(matched_events(c, 0)); }, a1, a2);
+      "raw", clip, [](const EventClip& c) { return matched_events(c, 0); }, a1, a2);
   print_own(
-      "match", clip, [](const EventClip& c) { return std::optional(matched_events(c, kFlicker)); }, a1, a2);
+      "match", clip, [](const EventClip& c) { return matched_events(c, kFlicker); }, a1, a2);
   print_own(
-      "lasting", clip, [](const EventClip& c) { return std::optional(matched_events(c, kLasting)); }, a1, a2);
-  print_own("sampler", clip, sampled_events, a1, a2);
+      "lasting", clip, [](const EventClip& c) { return matched_events(c, kLasting); }, a1, a2);
 }
 
-/// Returns what the sampler found, nothing where there is none.
-std::optional<Found> print_scores(const EventScene& scene, bool peers) {
+void print_scores(const EventScene& scene, bool peers) {
   const Found raw = matched_events(scene.clip, 0), steadied = matched_events(scene.clip, kFlicker);
   std::vector<F1> row{f1(scene.truth, raw.events), f1(scene.truth, steadied.events)};
   for (const auto& settings : {stroke_settings, patch_settings})
     for (const auto* sketch : {&scene.clip.sketch, &steadied.sketch})
       row.push_back(peers ? best_of(settings(*sketch), scene.truth) : F1{});
-  auto sampled = sampled_events(scene.clip);
-  row.push_back(sampled ? f1(scene.truth, likely(sampled->events, 0.5)) : F1{});
   std::printf("%-10s", scene.clip.name.c_str());
   for (const F1 f : row) std::printf(" | %11s", shown(f).c_str());
   std::printf("\n");
   std::fflush(stdout);
-  return sampled;
 }
 
 void print_score_heading() {
   std::printf("F1, four and six classes, 2 frames, 20 px\n%-10s", "scene");
-  for (const char* column :
-       {"raw match", "match", "LAP strokes", "- steadied", "LAP patches", "- steadied", "sampler"})
+  for (const char* column : {"raw match", "match", "LAP strokes", "- steadied", "LAP patches", "- steadied"})
     std::printf(" | %-11s", column);
   std::printf("\n");
-}
-
-/// Prints the predicted probabilities of the sampler's events beside the share of true ones.
-void print_reliability(const std::vector<std::pair<std::string, Reliability>>& all,
-                       const std::filesystem::path& picture) {
-  std::printf(
-      "\nsampler    |     n |  Brier expected | by probability, from 0 in tenths: events, share true\n");
-  for (const auto& [name, reliability] : all) print(name, reliability);
-  if (!picture.empty()) draw(all.back().second, picture);
 }
 
 std::vector<EventScene> read_scenes_of(const Arguments& arguments) {
@@ -209,21 +179,9 @@ std::vector<EventScene> read_scenes_of(const Arguments& arguments) {
 void run(const Arguments& arguments) {
   const auto scenes = read_scenes_of(arguments);
   print_score_heading();
-  std::vector<std::pair<std::string, Reliability>> reliability;
-  Reliability together;
-  for (const EventScene& scene : scenes) {
-    const auto sampled = print_scores(scene, arguments.peers);
-    if (!sampled) continue;
-    Reliability own;
-    for (Reliability* sum : {&own, &together}) sum->add(scene.truth, sampled->events);
-    reliability.emplace_back(scene.clip.name, own);
-  }
-  if (!reliability.empty()) {
-    reliability.emplace_back("all", together);
-    print_reliability(reliability, arguments.picture);
-  }
+  for (const EventScene& scene : scenes) print_scores(scene, arguments.peers);
   std::printf("\n%-10s | %-8s | %-17s | %-18s | %-14s | %-14s | %s\n", "", "", "a1 (off by)", "a2 (off by)",
-              "backwards", "noise, sure", "CPU s");
+              "backwards", "noise", "CPU s");
   for (const EventScene& scene : scenes) print_all_own(scene.clip, scene.a1, scene.a2);
   for (const char* file : kClips) {
     const auto name = std::filesystem::path(file).stem().string();

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/image_evidence.hpp"
+#include "pipeline/gain_totals.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;

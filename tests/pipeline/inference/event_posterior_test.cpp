@@ -186,20 +186,6 @@ TEST_CASE("The probabilities do not depend on which way a clip is played", "[pos
   }
 }
 
-TEST_CASE("An event counts as often as samples of the graphs have it", "[posterior]") {
-  const core::Clip clip = film(
-      [](Point p, int t) { return 80 + line(p, 40, 15, 105) + (t >= 12 ? line(p, 110, 15, 105) : 0); }, 2);
-  const graph::MotionGraph motion = matched(clip);
-  const auto alone = posterior(clip, motion);
-  REQUIRE(alone.size() == 1);
-  const graph::MotionGraph without =
-      matched_without(motion, [](int, const graph::Patch& patch) { return patch.position.x > 75; });
-  REQUIRE(graph::stroke_events(without).empty());
-  auto events = alone;
-  pipeline::weigh_by_samples(std::vector{motion, without, motion, motion}, events);
-  CHECK_THAT(events[0].probability, WithinAbs(0.75 * alone[0].probability, 1e-12));
-}
-
 TEST_CASE("Opposite events count, in one frame as one frame apart", "[posterior]") {
   const core::Clip clip =
       film([](Point p, int) { return 80 + line(p, 40, 15, 105) + line(p, 110, 15, 105); }, 0);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "graph/events/events.hpp"
@@ -19,8 +18,5 @@ struct Found {
 
 /// The bottom-up match; states that last no longer than `flicker` frames are noise.
 Found matched_events(const EventClip& clip, int flicker);
-
-/// The sampler with its default options, nothing where there is none.
-std::optional<Found> sampled_events(const EventClip& clip);
 
 }  // namespace emberfold::figures
