@@ -69,8 +69,7 @@ SketchedFrame draw_sketched(const cv::Mat& levels, const graph::AttributeGraph& 
   const std::uint64_t high = rng.bits();
   ground.seed = high << 32 | rng.bits();
   SketchedFrame result;
-  result.graph =
-      request.anchors > 0 ? pipeline::add_anchors(graph, levels, request.patches, request.anchors) : graph;
+  result.graph = pipeline::add_anchors(graph, levels, request.patches, request.anchors);
   result.sketchable = pipeline::draw_patches(levels, result.graph, request.patches);
   context.check();
   result.reconstruction = pipeline::reconstruct(levels, result.sketchable, ground, context);

@@ -119,9 +119,7 @@ void write_heat_film(core::FrameSource& source, const SketchRequest& request, co
   const cv::Mat levels = core::to_levels(core::ClipRange(source, t, t + 1).next(), source.info());
   const auto& graph = run.sketch.frames[static_cast<std::size_t>(t)];
   const auto held = pipeline::draw_patches(
-      levels,
-      request.anchors > 0 ? pipeline::add_anchors(graph, levels, request.patches, request.anchors) : graph,
-      request.patches);
+      levels, pipeline::add_anchors(graph, levels, request.patches, request.anchors), request.patches);
   std::unique_ptr<io::VideoWriter> video;
   const bool near = run_heat(held, cv::mean(levels), {}, session.context, [&](const HeatMoment& moment) {
     const cv::Mat picture = moment_picture(moment, t);
