@@ -7,7 +7,7 @@
 
 namespace emberfold::graph::detail {
 
-/// Groups of event classes that readings of one clip may confuse with each other.
+/// Groups of event classes that are easily taken for each other.
 /// Reversing time swaps birth with death, and unite with separate.
 enum class Family : std::uint8_t { birth, death, unite, separate };
 

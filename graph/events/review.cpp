@@ -11,7 +11,7 @@ namespace emberfold::graph {
 
 namespace {
 
-// As readings of one clip are compared (pipeline::event_posterior).
+// Between an event and the answer that is about it.
 constexpr int kSameFrames = 2;
 constexpr double kSameEvent = 10;  // px
 

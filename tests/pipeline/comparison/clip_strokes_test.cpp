@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/gain_totals.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
@@ -35,12 +34,4 @@ TEST_CASE("rates of events are by gaps between frames, half an event added to ea
   many.happened[2] = 199.5;  // four times as often
   CHECK_THAT(pipeline::stroke_distances(few, many).event_rates,
              test::WithinAbs(std::log(4) / std::sqrt(6), 1e-12));
-}
-
-TEST_CASE("gains are added up with the patches that they are of, and those above 0") {
-  pipeline::GainTotals all{2.5, 4, 1};
-  all.add({-1, 3, 2});
-  CHECK(all.nats == 1.5);
-  CHECK(all.patches == 7);
-  CHECK(all.positive == 3);
 }
