@@ -60,14 +60,14 @@ std::vector<graph::Event> find_events(core::FrameSource& source, const AnalyzeOp
   };
   auto read = of_curves ? graph::curves_as_strokes(motion) : motion;
   if (options.bottom_up) return of_topology(graph::stroke_events(read));
-  return of_topology(event_posterior(source, read, context));
+  return of_topology(weighed_events(source, read, context));
 }
 
 bool holds_figures(const Figures& figures) {
   return std::ranges::any_of(figures.motion.sketch.frames, [](const auto& graph) { return !graph.empty(); });
 }
 
-/// Finds graphs and events from the sketch of the clip.
+/// Finds graphs and events from the sketch of the clip, at whose cuts nothing happens.
 void infer_motion(core::FrameSource& source, const graph::SketchSequence& sketch, Figures figures,
                   const AnalyzeOptions& options, Analysis& analysis, core::StageClock& clock,
                   const core::Context& context) {
@@ -77,10 +77,18 @@ void infer_motion(core::FrameSource& source, const graph::SketchSequence& sketch
   clock.begin("curves");
   group_curves(analysis, context);
   analysis.all_events = find_events(source, options, analysis.motion, clock, context);
+  const std::size_t of_lines = analysis.all_events.size();
   if (holds_figures(figures)) {
     add_figures(analysis.motion, analysis.all_events, std::move(figures));
     group_curves(analysis, context);
   }
+  if (options.bottom_up) return;
+  disbelieve_cuts(analysis.all_events, analysis.cuts);
+  clock.begin("sample");
+  const auto& motion = analysis.motion;
+  analysis.sampled = sample_events(options.curve_events ? graph::curves_as_strokes(motion) : motion,
+                                   analysis.all_events, of_lines, analysis.cuts, options.seed, context);
+  graph::sort_events(analysis.all_events);
 }
 
 /// Leaves out the joints of curves that their frame does not have.
@@ -128,6 +136,7 @@ void find_motion(core::FrameSource& source, const graph::SketchSequence& sketch,
     analysis.joints = std::move(kept->joints);
     analysis.all_events = std::move(kept->all_events);
     analysis.cuts = std::move(kept->cuts);
+    analysis.sampled = std::move(kept->sampled);
   } else {
     clock.begin("carry");
     analysis.cuts = find_cuts(source, context.with_progress({}));
@@ -139,9 +148,9 @@ void find_motion(core::FrameSource& source, const graph::SketchSequence& sketch,
     }
     if (holds_figures(figures)) filled = without_outlines(filled, figures.motion.sketch);
     infer_motion(source, filled, std::move(figures), options, analysis, clock, context);
-    if (!options.bottom_up) disbelieve_cuts(analysis.all_events, analysis.cuts);
     if (stages != nullptr)
-      stages->keep_motion({analysis.motion, analysis.joints, analysis.all_events, analysis.cuts});
+      stages->keep_motion(
+          {analysis.motion, analysis.joints, analysis.all_events, analysis.cuts, analysis.sampled});
   }
   if (!analysis.cuts.empty()) context.warn(words_of(analysis.cuts));
   if (options.review) {

@@ -51,6 +51,12 @@ std::size_t trace_length(const mcmc::SamplerRun& result) {
   return length;
 }
 
+double proposals(const mcmc::SamplerRun& result) {
+  double sum = 0;
+  for (const auto& move : result.moves) sum += move.tried;
+  return sum;
+}
+
 std::size_t kept_sweeps(const mcmc::SamplerRun& result) {
   const std::size_t length = trace_length(result);
   return length - std::min(length, static_cast<std::size_t>(std::max(0, result.burn_in)));
@@ -138,14 +144,10 @@ Json sampler_json(const mcmc::SamplerRun& result) {
   Json out = {{"chains", result.chains},
               {"sweeps", kept_sweeps(result)},
               {"burn_in", result.burn_in},
-              {"proposals", result.proposals},
-              {"processor_seconds", number_json(result.seconds)},
-              {"proposals_per_second",
-               number_json(result.seconds > 0 ? result.proposals / result.seconds : kUnknown)}};
+              {"proposals", proposals(result)}};
   out["acceptance"] = Json::object();
   for (const auto& move : result.moves)
-    out["acceptance"][move.name] =
-        number_json(move.evaluated > 0 ? move.accepted / move.evaluated : kUnknown);
+    out["acceptance"][move.name] = number_json(move.tried > 0 ? move.accepted / move.tried : kUnknown);
   const auto worst = [&](const char* name, const auto& value, const auto& worse) {
     const auto list = comparable_traces(traces, value);
     const auto found = std::ranges::min_element(list, worse, value);
@@ -170,8 +172,7 @@ Json report_sampler(const mcmc::SamplerRun& result, std::span<const RateInterval
               {"burn_in", result.burn_in},
               {"length", length},
               {"step", step},
-              {"proposals", result.proposals},
-              {"seconds", number_json(result.seconds)},
+              {"proposals", proposals(result)},
               {"sure", told.sure},
               {"sentences", told.sentences},
               {"traces_total", result.traces.size()}};

@@ -11,8 +11,7 @@ function buildSampler() {
   const sampler = data.sampler;
   if (!sampler) return;
   $("sure").hidden = false;
-  const speed = sampler.seconds > 0 ? `, ${figure(sampler.proposals / sampler.seconds)} of them a second of processor time` : "";
-  $("sure-lead").textContent = `${plural(sampler.chains, "chain")} of ${plural(sampler.length, "sweep")} each, the first ${number(sampler.burn_in)} of them for learning alone; ${number(sampler.proposals)} proposals${speed}.`;
+  $("sure-lead").textContent = `${plural(sampler.chains, "chain")} of ${plural(sampler.length, "sweep")} each, the first ${number(sampler.burn_in)} of them for learning alone; ${number(sampler.proposals)} proposals.`;
   for (const sentence of sampler.sentences) $("sure-says").append(make("p", {class: sampler.sure ? "" : "note"}, sentence));
   buildProbabilities(sampler.probabilities);
   buildRateIntervals(sampler.rates);

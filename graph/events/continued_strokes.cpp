@@ -200,6 +200,13 @@ void close(const MotionGraph& motion, const Gap& gap, Additions& additions) {
 
 }  // namespace
 
+std::vector<std::pair<SubgraphId, SubgraphId>> possible_gaps(const MotionGraph& motion,
+                                                             const std::map<SubgraphId, Life>& lives) {
+  std::vector<std::pair<SubgraphId, SubgraphId>> pairs;
+  for (const Gap& gap : find_gaps(motion, lives)) pairs.emplace_back(gap.ending, gap.beginning);
+  return pairs;
+}
+
 void continue_strokes(MotionGraph& motion, std::vector<Event>& events,
                       const std::map<SubgraphId, Life>& lives) {
   std::set<SubgraphId> goes_on;

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
+#include <span>
 #include <string>
-#include <utility>
 
 #include "core/error.hpp"
 
@@ -30,9 +29,6 @@ constexpr std::size_t kTolerance = 2;    // frames
 constexpr double kIntercept = -3.64;
 constexpr double kStrokeFactor = 0.48, kJointFactor = 0.26;  // of a nat
 constexpr double kShortSide = 1.37;  // of a logarithm of frames without opposite change
-// Not fitted.
-constexpr double kUsualShare = 0.4;  // of true changes, in the clips that the weights were fitted to
-constexpr double kPseudo = 0.5;      // true and false changes that are counted beforehand, each
 // What cannot be seen is not believed (docs/method/events.md).
 constexpr double kFaint = 4, kPlainContrast = 16;  // of a logarithm of grey levels, below so many
 }  // namespace tuning
@@ -99,55 +95,6 @@ double log_odds(double p) {
   return std::log(p) - std::log1p(-p);
 }
 
-double logistic(double x) {
-  return 1 / (1 + std::exp(-x));
-}
-
-/// Returns by how much log odds are larger where this share of the changes is true than where the usual is.
-double share_shift(double share) {
-  return log_odds(share) - log_odds(tuning::kUsualShare);
-}
-
-/// Where a change is, and its log odds where the usual share is true.
-struct PlacedOdds {
-  graph::Point place;
-  double log_odds, odds;
-};
-
-std::vector<PlacedOdds> placed_odds(std::span<const ChangeEvidence> changes) {
-  std::vector<PlacedOdds> placed;
-  for (const ChangeEvidence& change : changes) {
-    const double log_odds = change_log_odds(change);
-    placed.push_back({change.place, log_odds, std::exp(log_odds)});
-  }
-  return placed;
-}
-
-/// Returns the share of true changes near a place; see estimate_change_share().
-double share_near(graph::Point place, std::span<const PlacedOdds> changes) {
-  constexpr int kHalvings = 50;
-  struct Counted {
-    double odds, weight;
-  };
-  std::vector<Counted> counted;
-  double count = 2 * tuning::kPseudo;
-  for (const PlacedOdds& change : changes) {
-    const double apart = graph::distance(change.place, place) / kShareReach;
-    if (apart >= 1) continue;
-    counted.push_back({change.odds, (1 - apart * apart) * (1 - apart * apart)});
-    count += counted.back().weight;
-  }
-  // What the share implies less the share falls from a positive to a negative number: bisection.
-  double low = 0, high = 1;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double share = 0.5 * (low + high), shift = std::exp(share_shift(share));
-    double sum = tuning::kPseudo;
-    for (const Counted& one : counted) sum += one.weight * one.odds * shift / (1 + one.odds * shift);
-    (sum > share * count ? low : high) = share;
-  }
-  return 0.5 * (low + high);
-}
-
 }  // namespace
 
 double log_change_factor(const ChangeSeries& series) {
@@ -176,24 +123,6 @@ double change_log_odds(const ChangeEvidence& evidence) {
   return kIntercept + (evidence.of_stroke ? kStrokeFactor : kJointFactor) * evidence.log_factor +
          kShortSide * std::log(frames) +
          kFaint * std::log(std::clamp(evidence.contrast / kPlainContrast, 0.1, 1.0));
-}
-
-double estimate_change_share(std::span<const ChangeEvidence> changes, graph::Point place) {
-  return share_near(place, placed_odds(changes));
-}
-
-std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes) {
-  constexpr double kSquare = 16;  // px: the share differs little within
-  const std::vector<PlacedOdds> all = placed_odds(changes);
-  std::map<std::pair<long, long>, double> shift_at;
-  std::vector<double> result;
-  for (const PlacedOdds& one : all) {
-    const long column = std::lround(one.place.x / kSquare), row = std::lround(one.place.y / kSquare);
-    const auto [at, is_new] = shift_at.try_emplace({column, row}, 0.0);
-    if (is_new) at->second = share_shift(share_near({kSquare * double(column), kSquare * double(row)}, all));
-    result.push_back(logistic(one.log_odds + at->second));
-  }
-  return result;
 }
 
 }  // namespace emberfold::mcmc

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
 #include <vector>
-
-#include "graph/patch.hpp"
 
 namespace emberfold::mcmc {
 
@@ -48,25 +45,11 @@ struct ChangeEvidence {
   /// than kFramesUntilLong is no more than that.
   double since = 1e9, until = 1e9;
   double contrast = 255;  ///< of what changes, visible grey levels: below 16 hardly anybody sees it
-  graph::Point place;
 };
 
 /// Returns the log odds of a change where the usual share of those read is true.
 /// A log-linear model (logistic regression) whose weights were fitted to made clips with known events and to
 /// real pictures that stand still or sway (docs/method/events.md).
 double change_log_odds(const ChangeEvidence& evidence);
-
-inline constexpr double kShareReach = 400;  ///< px: changes farther away say nothing about each other
-
-/// Estimates the share of true changes among those read from the graphs near a place.
-/// The fixed point of Saerens, Latinne & Decaestecker (2002): the odds are corrected for the share, which is
-/// the mean of the probabilities, weighted by (1 − d²/kShareReach²)² at the distance d; one half of a true
-/// and of a false change are counted beforehand. O(changes).
-double estimate_change_share(std::span<const ChangeEvidence> changes, graph::Point place);
-
-/// Computes the probability of each change of a clip, from its log odds and the share of true ones near it.
-/// Where nothing happens a change is believed on more evidence than where much does.
-/// O(changes · places), places counted in squares of 16 px.
-std::vector<double> change_probabilities(std::span<const ChangeEvidence> changes);
 
 }  // namespace emberfold::mcmc

@@ -8,14 +8,14 @@ namespace emberfold::mcmc {
 
 /// Holds one number of every sweep of every chain, burn-in first, for plots and diagnostics.
 struct Trace {
-  std::string name;                         ///< "log posterior", "strokes", "a1", "births", …
+  std::string name;                         ///< "log density", "births", …
   std::vector<std::vector<double>> chains;  ///< [chain][sweep]
 };
 
 /// Counts a move's proposals over all chains.
 struct MoveSum {
   std::string name;
-  double tried = 0, evaluated = 0, accepted = 0;
+  double tried = 0, accepted = 0;
 };
 
 /// Tells how a sampler's chains ran.
@@ -24,8 +24,6 @@ struct SamplerRun {
   int burn_in = 0;  ///< number of the traces' first values
   std::vector<Trace> traces;
   std::vector<MoveSum> moves;
-  double proposals = 0;  ///< evaluated, of all chains
-  double seconds = 0;    ///< processor time of the proposals
 };
 
 }  // namespace emberfold::mcmc

@@ -142,7 +142,6 @@ void add_figures(graph::MotionGraph& lines, std::vector<graph::Event>& events, F
   };
   rename(events, 0), rename(figures.events, 1);
   events.insert(events.end(), figures.events.begin(), figures.events.end());
-  graph::sort_events(events);
   lines = std::move(joined);
 }
 

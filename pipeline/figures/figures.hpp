@@ -31,7 +31,7 @@ Figures find_figures(core::FrameSource& source, const graph::SketchSequence& lin
 graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
                                        const graph::SketchSequence& outlines);
 
-/// Adds figures to the motion graph of a clip's lines, and their events to its events. The strokes of both
+/// Adds figures to the motion graph of a clip's lines, and their events after its events. The strokes of both
 /// are identified anew, and the events name them so.
 void add_figures(graph::MotionGraph& lines, std::vector<graph::Event>& events, Figures figures);
 

@@ -218,7 +218,6 @@ std::vector<WeighedEvent> weigh_events(core::FrameSource& source, const graph::M
     evidence.log_factor = -mcmc::kMostChangeFactor;  // until it is measured
     evidence.of_stroke = is_of_stroke(one.event.type);
     evidence.contrast = path_contrast(one, motion, white);
-    evidence.place = one.event.position;
     weighed.push_back({one.event, evidence});
   }
   find_opposites(traced, static_cast<int>(motion.sketch.frames.size()), weighed);

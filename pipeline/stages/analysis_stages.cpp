@@ -76,6 +76,19 @@ void add_events(io::Columns& columns, const std::vector<graph::Event>& events) {
   columns.arrays["event_strokes"] = {{strokes.size() / 3, 3}, false, std::move(strokes)};
 }
 
+/// Adds how the sampler ran: its moves and traces, chain after chain.
+void add_sampled(io::Columns& columns, nlohmann::json& text, const mcmc::SamplerRun& run) {
+  auto& sampled = text["sampled"] = {{"chains", run.chains}, {"burn_in", run.burn_in}};
+  sampled["moves"] = nlohmann::json::array(), sampled["traces"] = nlohmann::json::array();
+  for (const auto& move : run.moves) sampled["moves"].push_back({move.name, move.tried, move.accepted});
+  std::vector<double> draws;
+  for (const auto& trace : run.traces) {
+    sampled["traces"].push_back(trace.name);
+    for (const auto& chain : trace.chains) draws.insert(draws.end(), chain.begin(), chain.end());
+  }
+  columns.arrays["sampled"] = {{draws.size()}, false, std::move(draws)};
+}
+
 template <class Value>
 const std::vector<Value>& rows_of(const io::Columns& columns, const char* name, std::size_t row) {
   const auto& data = std::get<std::vector<Value>>(columns.arrays.at(name).data);
@@ -115,6 +128,26 @@ std::vector<graph::Event> read_events(const io::Columns& columns) {
     side.push_back({static_cast<std::uint32_t>(strokes[i + 2])});
   }
   return events;
+}
+
+std::optional<mcmc::SamplerRun> read_sampled(const io::Columns& columns, const nlohmann::json& text) {
+  if (!text.contains("sampled")) return std::nullopt;
+  const auto& sampled = text.at("sampled");
+  const auto& draws = rows_of<double>(columns, "sampled", 1);
+  mcmc::SamplerRun run{sampled.at("chains"), sampled.at("burn_in"), {}, {}};
+  for (const auto& move : sampled.at("moves")) run.moves.push_back({move.at(0), move.at(1), move.at(2)});
+  const auto& names = sampled.at("traces");
+  const std::size_t chains = static_cast<std::size_t>(run.chains) * names.size();
+  if (chains == 0 || draws.size() % chains != 0) throw core::IoError("a column is cut off");
+  auto at = draws.begin();
+  for (const auto& name : names) {
+    mcmc::Trace& trace = run.traces.emplace_back(mcmc::Trace{name, {}});
+    for (int c = 0; c < run.chains; ++c) {
+      const auto begin = std::exchange(at, at + static_cast<std::ptrdiff_t>(draws.size() / chains));
+      trace.chains.emplace_back(begin, at);
+    }
+  }
+  return run;
 }
 
 nlohmann::json learned_json(const LearnedModel& learned) {
@@ -190,6 +223,7 @@ std::optional<FoundMotion> AnalysisStages::read_motion(const core::Context& cont
     graph::validate(found.motion);
     found.joints = read_joints(*columns);
     found.all_events = read_events(*columns);
+    found.sampled = read_sampled(*columns, text);
     return found;
   } catch (const std::exception&) {  // a damaged file of any kind is computed again
     return std::nullopt;
@@ -198,13 +232,14 @@ std::optional<FoundMotion> AnalysisStages::read_motion(const core::Context& cont
 
 void AnalysisStages::keep_motion(const FoundMotion& found) const {
   const auto& sketch = found.motion.sketch;
-  const nlohmann::json text = {
+  nlohmann::json text = {
       {"width", sketch.width}, {"height", sketch.height}, {"fps", sketch.fps}, {"cuts", found.cuts}};
   io::ColumnWriter writer(folder_ / "motion");
   write_graphs(writer, sketch, {}, found.motion.links);
   io::Columns columns;
   add_joints(columns, found.joints);
   add_events(columns, found.all_events);
+  if (found.sampled) add_sampled(columns, text, *found.sampled);
   writer.append(columns.arrays);
   writer.finish(keys_.motion, text.dump());
 }

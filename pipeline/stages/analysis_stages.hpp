@@ -24,6 +24,7 @@ struct FoundMotion {
   std::vector<graph::CurveJoint> joints;
   std::vector<graph::Event> all_events;
   std::vector<int> cuts;
+  std::optional<mcmc::SamplerRun> sampled;  ///< where events were sampled
 };
 
 /// Results of learning.

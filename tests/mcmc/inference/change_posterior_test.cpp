@@ -155,56 +155,6 @@ TEST_CASE("Each kind of evidence moves the odds of a change its own way", "[chan
   }
 }
 
-TEST_CASE("The share of true changes is learned from those near a place", "[change]") {
-  const auto logistic = [](double x) { return 1 / (1 + std::exp(-x)); };
-  const double usual = std::log(0.4 / 0.6);
-  double last = 0;
-  for (const double share : {0.02, 0.2, 0.5, 0.9}) {
-    // Changes that show clearly and changes that do not, of which `share` says how many of each there are.
-    std::vector<mcmc::ChangeEvidence> changes(2000);
-    for (std::size_t i = 0; i < changes.size(); ++i)
-      changes[i].log_factor = static_cast<double>(i) < 2000 * share ? 13 : -13;
-    const double found = mcmc::estimate_change_share(changes, {});
-    INFO("share " << share << ", found " << found);
-    // It is where a mixture of true and false changes is most likely, under Beta(3/2, 3/2).
-    const auto log_likelihood = [&](double s) {
-      double sum = 0.5 * (std::log(s) + std::log1p(-s));
-      for (const auto& change : changes) {
-        const double factor = std::exp(mcmc::change_log_odds(change) - usual);
-        sum += std::log(s * factor + 1 - s);
-      }
-      return sum;
-    };
-    for (const double beside : {0.7, 0.95, 1.05, 1.3}) {
-      const double odds = beside * found / (1 - found);
-      CHECK(log_likelihood(odds / (1 + odds)) < log_likelihood(found));
-    }
-    CHECK(found > last);
-    last = found;
-    const auto p = mcmc::change_probabilities(changes);
-    const double shift = std::log(found / (1 - found)) - usual;
-    for (std::size_t i = 0; i < p.size(); i += 200)
-      CHECK_THAT(p[i], WithinAbs(logistic(mcmc::change_log_odds(changes[i]) + shift), 1e-12));
-  }
-  CHECK(mcmc::change_probabilities({}).empty());
-}
-
-TEST_CASE("What happens in one place says nothing about a change far away", "[change]") {
-  std::vector<mcmc::ChangeEvidence> changes(21);  // one that shows well, and others that do not
-  changes[0].log_factor = 8;
-  changes[0].since = 6;
-  for (std::size_t i = 1; i < changes.size(); ++i) changes[i].log_factor = -13;
-  const double alone = mcmc::change_probabilities(std::span(changes).first(1)).front();
-  const auto with_others_at = [&](double x) {
-    for (std::size_t i = 1; i < changes.size(); ++i) changes[i].place = {x, 0};
-    return mcmc::change_probabilities(changes).front();
-  };
-  CHECK(with_others_at(0) < 0.6 * alone);
-  CHECK(with_others_at(100) > with_others_at(0));
-  CHECK(with_others_at(150) > with_others_at(100));
-  CHECK(with_others_at(mcmc::kShareReach + 20) == alone);
-}
-
 TEST_CASE("Series that make no sense are refused", "[change]") {
   ChangeSeries series;
   series.amplitude = {0, 1, 1};

@@ -468,6 +468,8 @@ TEST_CASE("figures join the lines of a clip, and events name the strokes of both
   CHECK(lines.sketch.frames[0].size() == outlines.frames[0].size() + 1);
   CHECK(lines.sketch.frames[39].size() == outlines.frames[39].size());
   REQUIRE(events.size() == of_figures + 1);
+  CHECK(events.front().type == graph::EventType::death);  // those of the lines come first
+  graph::sort_events(events);
   const auto again = graph::stroke_events(lines);
   REQUIRE(again.size() == events.size());
   for (std::size_t k = 0; k < events.size(); ++k) {

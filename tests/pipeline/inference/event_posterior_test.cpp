@@ -45,7 +45,9 @@ graph::MotionGraph matched(const core::Clip& clip) {
 
 std::vector<graph::Event> posterior(const core::Clip& clip, const graph::MotionGraph& motion) {
   core::ClipSource source(clip);
-  return pipeline::event_posterior(source, motion);
+  auto events = pipeline::weighed_events(source, motion);
+  pipeline::sample_events(motion, events, events.size(), {}, 1);
+  return events;
 }
 
 /// Leaves out the patches of a frame for which is_out(frame, patch) holds, and matches what is left.
