@@ -124,11 +124,11 @@ Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
   if (!apart.empty())
     result.sentences.push_back("The chains do not agree well yet: R-hat is above 1.05 for " +
                                core::join_names(apart, kNamed) +
-                               ". Take what rests on these as rough; more sweeps would make it surer.");
+                               ". Take what rests on these as rough.");
   if (!few.empty())
     result.sentences.push_back(
         "The draws are worth fewer than 100 independent ones for " + core::join_names(few, kNamed) +
-        ". Means and intervals of these are uncertain; more sweeps would sharpen them.");
+        ". Means and intervals of these are uncertain.");
   if (!result.sure) return result;
   double rhat = 0, draws = std::numeric_limits<double>::infinity();
   for (const auto& t : with_rhat) rhat = std::max(rhat, rhat_of(t));

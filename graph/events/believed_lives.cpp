@@ -12,9 +12,10 @@ namespace {
 
 constexpr double kThing = 20;  // patches, about 100 px
 constexpr double kBorder = 5;  // px: nearer to the picture's border, a stroke goes out through it
-constexpr double kLeast = 0.1, kMost = 0.8;  // probabilities of an end beyond are taken as these
-constexpr double kRounding = 1e-9;           // of a probability
-constexpr double kStands = 0.2;              // px a frame: below, a stroke stands, and goes nowhere
+constexpr double kLeast = 0.1,
+                 kMost = 0.6;       // probabilities beyond are taken as these: draws know of both ends
+constexpr double kRounding = 1e-9;  // of a probability
+constexpr double kStands = 0.2;     // px a frame: below, a stroke stands, and goes nowhere
 
 std::map<SubgraphId, Life> lives_of(const SketchSequence& sketch) {
   struct Shape {

@@ -36,7 +36,7 @@ inline constexpr double kEven = 0.5;
 /// Decides on strokes of which one end is believed and the other one open: they were there with both ends, or
 /// not at all. With the odds of both ends multiplied, the open end is believed from here on, or the believed
 /// birth or death is no more; other events stay, and so do births and deaths of things and what is certain (a
-/// review's facts). An end counts for a probability of 0.1 to 0.8. `lives`: believed at kEven. `events` get
+/// review's facts). An end counts for a probability of 0.1 to 0.6. `lives`: believed at kEven. `events` get
 /// the joint probability; returns whether any changed.
 bool settle_open_ends(const std::map<SubgraphId, Life>& lives, std::vector<Event>& events);
 

@@ -146,8 +146,8 @@ TEST_CASE("A stroke is there with both of its ends, or not at all", "[graph][bel
       auto settled = motion;
       auto events = events_of(motion, {birth, death});
       graph::keep_believed(settled, events, {}, 0.5);
-      // An end counts for 0.1 to 0.8.
-      const double p = std::clamp(birth, 0.1, 0.8), q = std::clamp(death, 0.1, 0.8);
+      // An end counts for 0.1 to 0.6.
+      const double p = std::clamp(birth, 0.1, 0.6), q = std::clamp(death, 0.1, 0.6);
       const double odds = p * q / ((1 - p) * (1 - q));
       const bool is_there = birth >= 0.5 || death >= 0.5 ? odds > 1 : false;
       INFO("birth " << birth << ", death " << death);
