@@ -20,7 +20,6 @@
 #include "mcmc/learning/fit.hpp"
 #include "mcmc/sampler/sampler_run.hpp"
 #include "pipeline/clip_model.hpp"
-#include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/review/review_calibration.hpp"
 #include "pipeline/sketch_clip.hpp"
 #include "sketch/extract.hpp"
@@ -35,8 +34,8 @@ struct AnalyzeOptions {
   bool curve_events = false;  ///< events of curves, not of strokes; touching and crossing are no events
   /// Also follows figures, things wider than a line (find_figures); not with the two options above.
   bool figures = true;
-  double least_probability = kLikely;  ///< 0…1, of reported events
-  bool keep_sketch = false;            ///< keep sketches as extracted, and the backgrounds of the frames
+  double least_probability = 0.5;  ///< 0…1, of reported events
+  bool keep_sketch = false;        ///< keep sketches as extracted, and the backgrounds of the frames
   /// Answers of a person about the clip's events: taken as facts, the others are inferred anew
   /// (apply_review).
   std::optional<std::vector<graph::ReviewedEvent>> review = {};
@@ -77,7 +76,7 @@ struct Analysis {
 class AnalysisStages;
 
 /// Analyses a clip: sketches, motion, events and the model that new clips are drawn from.
-/// Each event has the probability that the images show it (event_posterior), unless options ask otherwise.
+/// Each event has the probability that it happened (mcmc::sample_changes), unless options ask otherwise.
 /// Reads the clip several times, frame by frame, and keeps all graphs. `stages`: stores the results of each
 /// stage and returns those that an earlier call stored. Equal clips, options and seeds give equal results at
 /// any number of threads. Warns of numbers that were not taken as measured. Throws core::IoError for a clip

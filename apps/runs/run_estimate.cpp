@@ -90,7 +90,7 @@ std::optional<RunEstimate> estimate_run(core::FrameSource& source, const Analyze
   };
   stage("sketch", {}, one * found.frames);
   const bool figures = !options.bottom_up && !options.curve_events;
-  stage("events", {"carry", "figures", "match", "events"},
+  stage("events", {"carry", "figures", "match", "events", "sample"},
         slowness * found.frames *
             (patches * (options.bottom_up ? kBottomUpPatch : kEventsPatch) +
              (figures ? kFiguresPixel * std::min(pixels, kMostFigurePixels) : 0)));

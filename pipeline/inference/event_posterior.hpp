@@ -15,8 +15,6 @@
 
 namespace emberfold::pipeline {
 
-inline constexpr double kLikely = 0.5;  ///< least probability of reported events, by default
-
 /// Finds the events of a matched clip, each with the probability that the images give it alone, where the
 /// usual share of events is true (weigh_events, mcmc::change_log_odds). Sorted as by graph::sort_events. The
 /// same bytes at any number of threads. Throws as weigh_events does.
