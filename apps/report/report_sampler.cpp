@@ -123,12 +123,11 @@ Assurance assurance(const std::vector<TraceDiagnosis>& traces) {
   Assurance result{apart.empty() && few.empty(), {}};
   if (!apart.empty())
     result.sentences.push_back("The chains do not agree well yet: R-hat is above 1.05 for " +
-                               core::join_names(apart, kNamed) +
-                               ". Take what rests on these as rough.");
+                               core::join_names(apart, kNamed) + ". Take what rests on these as rough.");
   if (!few.empty())
-    result.sentences.push_back(
-        "The draws are worth fewer than 100 independent ones for " + core::join_names(few, kNamed) +
-        ". Means and intervals of these are uncertain.");
+    result.sentences.push_back("The draws are worth fewer than 100 independent ones for " +
+                               core::join_names(few, kNamed) +
+                               ". Means and intervals of these are uncertain.");
   if (!result.sure) return result;
   double rhat = 0, draws = std::numeric_limits<double>::infinity();
   for (const auto& t : with_rhat) rhat = std::max(rhat, rhat_of(t));

@@ -21,42 +21,20 @@ bool is_death(const Change& change) {
 
 }  // namespace
 
+void LifeCosts::Extent::add(const Extent& other) {
+  comes_in = other.first < first ? other.comes_in : comes_in || (other.first == first && other.comes_in);
+  goes_out = other.last > last ? other.goes_out : goes_out || (other.last == last && other.goes_out);
+  first = std::min(first, other.first), last = std::max(last, other.last);
+  patches += other.patches, closed += other.closed, frames += other.frames;
+}
+
 LifeCosts::LifeCosts(const ChangeField& field, const std::vector<bool>& open, const ChangeState& state)
     : field_(field), node_of_(field.strands.size()) {
-  const std::size_t count = field.strands.size();
-  std::vector<std::size_t> rank(count), parent(count);
-  boost::disjoint_sets parts(rank.data(), parent.data());
-  for (std::size_t s = 0; s < count; ++s) parts.make_set(s);
-  // Strands that begin or end by no change, of which nothing is known, come in and go out.
-  std::vector<bool> begins(count), ends(count);
-  for (std::size_t k = 0; k < field.changes.size(); ++k) {
-    const Change& change = field.changes[k];
-    for (const std::uint32_t s : change.after) begins[s] = true;
-    for (const std::uint32_t s : change.before) ends[s] = true;
-    if (open[k] || state.happened[k] || is_birth(change) || is_death(change)) continue;
-    for (const auto* side : {&change.before, &change.after})
-      for (const std::uint32_t s : *side) parts.union_set(std::size_t{change.before[0]}, std::size_t{s});
-  }
-  std::vector<std::uint32_t> node_of_root(count, static_cast<std::uint32_t>(count));
-  for (std::uint32_t s = 0; s < count; ++s) {
-    std::uint32_t& node = node_of_root[parts.find_set(std::size_t{s})];
-    const Strand& strand = field.strands[s];
-    if (node == count) {
-      node = static_cast<std::uint32_t>(nodes_.size());
-      nodes_.push_back({.first = strand.first, .last = strand.last});
-    }
-    node_of_[s] = node;
-    Node& all = nodes_[node];
-    const bool comes_in = strand.comes_in || !begins[s], goes_out = strand.goes_out || !ends[s];
-    all.comes_in =
-        strand.first < all.first ? comes_in : all.comes_in || (strand.first == all.first && comes_in);
-    all.goes_out = strand.last > all.last ? goes_out : all.goes_out || (strand.last == all.last && goes_out);
-    all.first = std::min(all.first, strand.first), all.last = std::max(all.last, strand.last);
-    all.patches += strand.patches, all.closed += strand.closed;
-    all.frames += strand.last - strand.first + 1;
-  }
+  std::vector<bool> can_happen = open;
+  for (std::size_t k = 0; k < can_happen.size(); ++k) can_happen[k] = can_happen[k] || state.happened[k];
+  join_strands(can_happen);
   for (std::uint32_t k = 0; k < field.changes.size(); ++k) {
-    if (!open[k] && !state.happened[k]) continue;
+    if (!can_happen[k]) continue;
     for (const auto* side : {&field.changes[k].before, &field.changes[k].after})
       for (const std::uint32_t s : *side)
         if (auto& changes = nodes_[node_of_[s]].changes; changes.empty() || changes.back() != k)
@@ -67,9 +45,36 @@ LifeCosts::LifeCosts(const ChangeField& field, const std::vector<bool>& open, co
          {field.changes[field.gaps[g].death].before[0], field.changes[field.gaps[g].birth].after[0]})
       nodes_[node_of_[s]].gaps.push_back(g);
   seen_.assign(nodes_.size(), 0), life_of_.assign(nodes_.size(), 0), cost_.assign(nodes_.size(), 0);
-  std::vector<std::uint32_t> all(count);
+  std::vector<std::uint32_t> all(field.strands.size());
   std::iota(all.begin(), all.end(), 0u);
   note(all, state);
+}
+
+void LifeCosts::join_strands(const std::vector<bool>& can_happen) {
+  const std::size_t count = field_.strands.size();
+  std::vector<std::size_t> rank(count), parent(count);
+  boost::disjoint_sets parts(rank.data(), parent.data());
+  for (std::size_t s = 0; s < count; ++s) parts.make_set(s);
+  // Strands that begin or end by no change, of which nothing is known, come in and go out.
+  std::vector<bool> begins(count), ends(count);
+  for (std::size_t k = 0; k < field_.changes.size(); ++k) {
+    const Change& change = field_.changes[k];
+    for (const std::uint32_t s : change.after) begins[s] = true;
+    for (const std::uint32_t s : change.before) ends[s] = true;
+    if (can_happen[k] || is_birth(change) || is_death(change)) continue;
+    for (const auto* side : {&change.before, &change.after})
+      for (const std::uint32_t s : *side) parts.union_set(std::size_t{change.before[0]}, std::size_t{s});
+  }
+  std::vector<std::size_t> node_of_root(count, count);
+  for (std::uint32_t s = 0; s < count; ++s) {
+    std::size_t& node = node_of_root[parts.find_set(std::size_t{s})];
+    if (node == count) node = nodes_.size(), nodes_.emplace_back();
+    node_of_[s] = static_cast<std::uint32_t>(node);
+    const Strand& strand = field_.strands[s];
+    nodes_[node].extent.add({strand.first, strand.last, strand.comes_in || !begins[s],
+                             strand.goes_out || !ends[s], strand.patches, double(strand.closed),
+                             double(strand.last - strand.first + 1)});
+  }
 }
 
 void LifeCosts::visit(std::span<const std::uint32_t> strands) {
@@ -80,15 +85,10 @@ void LifeCosts::visit(std::span<const std::uint32_t> strands) {
 double LifeCosts::cost_of_life(std::uint32_t node, const ChangeState& state) {
   seen_[node] = call_;
   life_ = {node};
-  Node life = {.first = nodes_[node].first, .last = nodes_[node].last};
+  Extent life;
   for (std::size_t i = 0; i < life_.size(); ++i) {
     const Node& one = nodes_[life_[i]];
-    life.comes_in =
-        one.first < life.first ? one.comes_in : life.comes_in || (one.first == life.first && one.comes_in);
-    life.goes_out =
-        one.last > life.last ? one.goes_out : life.goes_out || (one.last == life.last && one.goes_out);
-    life.first = std::min(life.first, one.first), life.last = std::max(life.last, one.last);
-    life.patches += one.patches, life.closed += one.closed, life.frames += one.frames;
+    life.add(one.extent);
     for (const std::uint32_t k : one.changes)
       if (!state.happened[k] && !is_birth(field_.changes[k]) && !is_death(field_.changes[k]))
         visit(field_.changes[k].before), visit(field_.changes[k].after);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -38,12 +39,17 @@ class LifeCosts {
   [[nodiscard]] double noted_of_all() const;
 
  private:
-  struct Node {  // strands that are one life in every state
-    int first = 0, last = 0;
+  struct Extent {  // of some strands
+    int first = std::numeric_limits<int>::max(), last = -1;
     bool comes_in = false, goes_out = false;  // at `first`, at `last`
     double patches = 0, closed = 0, frames = 0;
+    void add(const Extent& other);
+  };
+  struct Node {  // strands that are one life in every state
+    Extent extent;
     std::vector<std::uint32_t> changes, gaps;
   };
+  void join_strands(const std::vector<bool>& can_happen);
   double cost_of_life(std::uint32_t node, const ChangeState& state);
   void visit(std::span<const std::uint32_t> strands);
 

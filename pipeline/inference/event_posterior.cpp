@@ -19,8 +19,8 @@ namespace {
 using graph::EventType;
 using graph::SubgraphId;
 
-/// Adds the gaps between strokes that die and strokes that are born.
-void add_gaps(const graph::MotionGraph& motion, std::map<SubgraphId, graph::detail::Life> lives,
+/// Adds the gaps between strokes that die and strokes that are born; of `lives` only these are left open.
+void add_gaps(const graph::MotionGraph& motion, std::map<SubgraphId, graph::detail::Life>& lives,
               mcmc::ChangeField& field, std::span<const graph::Event> events) {
   std::map<SubgraphId, std::uint32_t> births, deaths;
   for (std::uint32_t k = 0; k < events.size(); ++k) {
@@ -49,7 +49,7 @@ std::vector<graph::Event> weighed_events(core::FrameSource& source, const graph:
 mcmc::ChangeField change_field(const graph::MotionGraph& motion, std::span<const graph::Event> events,
                                std::size_t with_rate, std::span<const int> cuts) {
   const graph::detail::Believed none(motion.sketch.frames.size() + 1);
-  const auto lives = graph::detail::believed_lives(motion, none, cuts);
+  auto lives = graph::detail::believed_lives(motion, none, cuts);
   mcmc::ChangeField field;
   std::map<SubgraphId, std::uint32_t> strand_of;
   for (const auto& [stroke, life] : lives) {

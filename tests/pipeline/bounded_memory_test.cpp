@@ -72,7 +72,8 @@ TEST_CASE("Memory grows with the clip by no more than its graphs need", "[slow]"
   const Most shorter = analyze_clip(40), longer = analyze_clip(200);
   REQUIRE(longer.patches > 3 * shorter.patches);
   const auto more = static_cast<double>(longer.patches - shorter.patches);
-  // A patch takes some 170 bytes in a graph. There are the sketch, what was filled in, and what was matched of it, twice.
+  // A patch takes some 170 bytes in a graph. There are the sketch, what was filled in, and what was matched
+  // of it, twice.
   const double mapped = static_cast<double>(longer.mapped - shorter.mapped) / more;
   INFO("mapped: " << mapped << " bytes a patch");
   CHECK(mapped < 1500);

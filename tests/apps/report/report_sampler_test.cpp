@@ -105,8 +105,7 @@ TEST_CASE("the summary has the sampler's figures") {
 TEST_CASE("what cannot be told of a sampler is null, not missing, and no infinity is written") {
   mcmc::SamplerRun none;
   const OrderedJson json = sampler_json(none);
-  for (const char* name : {"rhat_max", "rhat_max_of", "ess_min", "ess_min_of"})
-    CHECK(json[name].is_null());
+  for (const char* name : {"rhat_max", "rhat_max_of", "ess_min", "ess_min_of"}) CHECK(json[name].is_null());
   CHECK(json["sweeps"] == 0);
   mcmc::SamplerRun apart;
   apart.chains = 2;
