@@ -59,6 +59,16 @@ TEST_CASE("A birth or death costs where it is none of a whole stroke", "[changes
   CHECK(cost(field, {true, false}) * kLifeCost ==
         mcmc::detail::kPartCost);          // the part ends, but does not die
   CHECK(cost(field, {false, true}) == 1);  // a part of a stroke dies
+  // The same backwards: a stroke is born and joins one that was there before.
+  const ChangeField joins = {
+      {{10, 19, false, false, 50, 0}, {0, 19, true, false, 100, 0}, {20, 39, false, true, 100, 0}},
+      {{EventType::birth, 10, {}, 0, true, {}, {0}}, {EventType::merge, 20, {}, 0, true, {0, 1}, {2}}},
+      {}};
+  CHECK(cost(joins, {true, true}) == 0);
+  CHECK(cost(joins, {true, false}) == 1);
+  // Of what begins by no change nothing is known.
+  CHECK(cost({{{5, 14, false, false, 50, 0}}, {{EventType::death, 15, {}, 0, true, {0}, {}}}, {}}, {true}) ==
+        0);
   // Both ends of a stroke, or none; what goes out, and the outline of a thing, need none.
   ChangeField life = {
       {{5, 14, false, false, 50, 0}},

@@ -75,6 +75,15 @@ TEST_CASE("The share of true changes is learned from those near a place", "[chan
   }
 }
 
+TEST_CASE("Half of a true and of a false change are counted beforehand", "[changes]") {
+  const ChangeField field = apart({1, 1, -2});
+  ChangeRates rates(field);
+  rates.learn(std::vector<double>{1, 0.5, 0});
+  const double shift = logit((0.5 + 1.5) / 4) - logit(mcmc::detail::kUsualShare);
+  CHECK_THAT(rates.log_odds()[0], WithinAbs(1 + shift, 1e-12));
+  CHECK_THAT(rates.log_odds()[2], WithinAbs(-2 + shift, 1e-12));
+}
+
 TEST_CASE("What happens in one place says nothing about a change far away", "[changes]") {
   std::vector<double> images(21, -6);
   images[0] = 2;  // one that shows well, and others that do not
