@@ -77,7 +77,7 @@ function buildProbabilities(probabilities) {
   title.textContent = "Events by probability";
   svg.append(title);
   svg.append(makeSvg("rect", {x: left, y: 10, width: bar * 5, height: base - 10, fill: themed("hover")}));
-  svg.append(svgText("less likely than not: in events_all.json only", {x: left + 6, y: 22}));
+  svg.append(svgText("in events_all.json only", {x: left + bar + 6, y: 22}));
   totals.forEach((total, k) => {
     const x = left + bar * k;
     let y = base;
