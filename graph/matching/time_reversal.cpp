@@ -37,18 +37,16 @@ MotionGraph reverse_time(const MotionGraph& motion) {
   return identify(std::move(result));
 }
 
-namespace {
-
-// In the order of the values of EventType.
-constexpr std::array<EventType, 6> kOpposite{EventType::death, EventType::birth,      EventType::merge,
-                                             EventType::split, EventType::disconnect, EventType::connect};
-
-}  // namespace
+EventType reverse_time(EventType type) {
+  using enum EventType;
+  constexpr std::array kReversed = {death, birth, merge, split, disconnect, connect};
+  return kReversed[static_cast<std::size_t>(type)];
+}
 
 std::vector<Event> reverse_time(std::vector<Event> events, int frames) {
   for (Event& event : events) {
     event.frame = frames - event.frame;
-    event.type = kOpposite[static_cast<std::size_t>(event.type)];
+    event.type = reverse_time(event.type);
     std::swap(event.before, event.after);
   }
   sort_events(events);

@@ -17,6 +17,9 @@ SketchSequence reverse_time(const SketchSequence& sketch);
 /// InputError as validate() does. O(n log n).
 MotionGraph reverse_time(const MotionGraph& motion);
 
+/// Returns what a class of events is in reversed time: of a birth a death, of a split a merge, and so on.
+EventType reverse_time(EventType type);
+
 /// Reverses the time of events of a clip of `frames` frames.
 /// Births become deaths and so on, in frame `frames` − frame; `before` and `after` are swapped, their strokes
 /// keep their identities. Sorted as by sort_events.

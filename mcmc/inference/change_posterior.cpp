@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/error.hpp"
+#include "core/math/log_odds.hpp"
 
 namespace emberfold::mcmc {
 
@@ -91,10 +92,6 @@ double change_probability(std::span<const double> evidence, bool to_on, std::siz
   return std::clamp(sum, 1e-9, 1 - 1e-9);
 }
 
-double log_odds(double p) {
-  return std::log(p) - std::log1p(-p);
-}
-
 }  // namespace
 
 double log_change_factor(const ChangeSeries& series) {
@@ -114,7 +111,7 @@ double log_change_factor(const ChangeSeries& series) {
   const std::vector<double> nothing(count, 0.0);
   const double posterior = change_probability(frame_evidence(series), series.appears, first, last);
   const double prior = change_probability(nothing, series.appears, first, last);
-  return std::clamp(log_odds(posterior) - log_odds(prior), -kMostChangeFactor, kMostChangeFactor);
+  return std::clamp(core::log_odds(posterior) - core::log_odds(prior), -kMostChangeFactor, kMostChangeFactor);
 }
 
 double change_log_odds(const ChangeEvidence& evidence) {

@@ -30,6 +30,14 @@ std::vector<std::vector<std::uint32_t>> gaps_of_changes(const ChangeField& field
   return result;
 }
 
+/// Returns the sum of the log odds of what happened.
+double odds_of(const ChangeState& state, std::span<const double> log_odds) {
+  double sum = 0;
+  for (std::size_t k = 0; k < log_odds.size(); ++k)
+    if (state.happened[k]) sum += log_odds[k];
+  return sum;
+}
+
 }  // namespace
 
 double log_density(const ChangeField& field, std::span<const double> log_odds, const ChangeState& state) {
@@ -37,10 +45,8 @@ double log_density(const ChangeField& field, std::span<const double> log_odds, c
   for (std::size_t g = 0; g < field.gaps.size(); ++g)
     if (state.bridged[g] && !is_whole(field.gaps[g], state, gaps_of))
       return -std::numeric_limits<double>::infinity();
-  double sum = -LifeCosts(field, std::vector<bool>(field.changes.size(), true), state).noted_of_all();
-  for (std::size_t k = 0; k < log_odds.size(); ++k)
-    if (state.happened[k]) sum += log_odds[k];
-  return sum;
+  const LifeCosts costs(field, std::vector<bool>(field.changes.size(), true), state);
+  return odds_of(state, log_odds) - costs.noted_of_all();
 }
 
 ChangeChain::ChangeChain(const ChangeField& field, ChangeState state)
@@ -49,15 +55,11 @@ ChangeChain::ChangeChain(const ChangeField& field, ChangeState state)
 void ChangeChain::open(const std::vector<bool>& changes) {
   for (std::size_t k = 0; k < changes.size(); ++k)
     if (!changes[k]) state_.happened[k] = false;
-  moves_ = change_moves(field_, changes);
   costs_.emplace(field_, changes, state_);
 }
 
-double ChangeChain::log_density(std::span<const double> log_odds) {
-  double sum = -costs_->noted_of_all();
-  for (std::size_t k = 0; k < log_odds.size(); ++k)
-    if (state_.happened[k]) sum += log_odds[k];
-  return sum;
+double ChangeChain::log_density(std::span<const double> log_odds) const {
+  return odds_of(state_, log_odds) - costs_->noted_of_all();
 }
 
 void ChangeChain::turn(const ChangeMove& move) {
@@ -74,8 +76,8 @@ bool ChangeChain::is_allowed(const ChangeMove& move) const {
          });
 }
 
-void ChangeChain::sweep(std::span<const double> log_odds, core::Rng& rng) {
-  for (const ChangeMove& move : moves_) {
+void ChangeChain::sweep(std::span<const ChangeMove> moves, std::span<const double> log_odds, core::Rng& rng) {
+  for (const ChangeMove& move : moves) {
     const double level = std::log(rng.uniform());
     ++tried_[move.kind];
     double gain = costs_->noted(move.strands);

@@ -23,15 +23,15 @@ class ChangeChain {
  public:
   ChangeChain(const ChangeField& field, ChangeState state);
 
-  /// Chooses which changes are open, before the first sweep at the latest: others do not happen. Moves are
-  /// those of change_moves().
+  /// Chooses which changes are open, before the first sweep at the latest: others do not happen.
   void open(const std::vector<bool>& changes);
-  /// Proposes each move once, in order; Metropolis, Rosenbluth, Rosenbluth, Teller & Teller 1953.
-  void sweep(std::span<const double> log_odds, core::Rng& rng);
+  /// Proposes each move of the open changes once, in order; Metropolis, Rosenbluth, Rosenbluth, Teller &
+  /// Teller 1953.
+  void sweep(std::span<const ChangeMove> moves, std::span<const double> log_odds, core::Rng& rng);
 
   [[nodiscard]] const ChangeState& state() const { return state_; }
   /// Returns log_density() of its state.
-  [[nodiscard]] double log_density(std::span<const double> log_odds);
+  [[nodiscard]] double log_density(std::span<const double> log_odds) const;
   /// Moves proposed, and accepted, by kind.
   [[nodiscard]] const std::array<double, kMoveNames.size()>& tried() const { return tried_; }
   [[nodiscard]] const std::array<double, kMoveNames.size()>& accepted() const { return accepted_; }
@@ -43,7 +43,6 @@ class ChangeChain {
   const ChangeField& field_;
   ChangeState state_;
   std::vector<std::vector<std::uint32_t>> gaps_of_;  // of each change
-  std::vector<ChangeMove> moves_;
   std::optional<LifeCosts> costs_;
   std::array<double, kMoveNames.size()> tried_{}, accepted_{};
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace emberfold::mcmc {
 struct Strand {
   int first = 0, last = 0;                  ///< frames
   bool comes_in = false, goes_out = false;  ///< with the clip, at a cut, or through the picture's border
-  double patches = 0;                       ///< summed over its frames
-  int closed = 0;                           ///< frames in which it has no tip
+  std::size_t patches = 0;                  ///< summed over its frames
+  std::size_t closed = 0;                   ///< frames in which it has no tip
 };
 
 /// A change that was read from a matched graph, and may have happened or not.
@@ -43,7 +44,7 @@ struct ChangeField {
   void validate() const;
 };
 
-/// Which changes happened, and through which gaps a stroke goes on.
+/// Which changes happened, and which gaps are bridged: a stroke continues across them.
 struct ChangeState {
   std::vector<bool> happened, bridged;
   bool operator==(const ChangeState&) const = default;

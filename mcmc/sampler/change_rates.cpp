@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "core/math/log_odds.hpp"
+
 namespace emberfold::mcmc::detail {
 
 namespace {
@@ -12,10 +14,6 @@ namespace {
 constexpr double kSquare = 32;   // px: the share differs little within
 constexpr double kPseudo = 0.5;  // true and false changes that are counted beforehand, each
 constexpr int kRounds = 60;      // of learn_alone(): each halves the error at least
-
-double log_odds_of(double p) {
-  return std::log(p) - std::log1p(-p);
-}
 
 }  // namespace
 
@@ -48,7 +46,7 @@ void ChangeRates::learn(std::span<const double> happened) {
       const double weight = (1 - apart) * (1 - apart);
       sum += weight * sums[i], count += weight * static_cast<double>(other.changes.size());
     }
-    const double shift = log_odds_of(sum / count) - log_odds_of(kUsualShare);
+    const double shift = core::log_odds(sum / count) - core::log_odds(kUsualShare);
     for (const std::uint32_t k : here.changes) log_odds_[k] = field_.changes[k].log_odds + shift;
   }
 }
@@ -56,7 +54,7 @@ void ChangeRates::learn(std::span<const double> happened) {
 void ChangeRates::learn_alone() {
   std::vector<double> probability(log_odds_.size());
   for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t k = 0; k < probability.size(); ++k) probability[k] = 1 / (1 + std::exp(-log_odds_[k]));
+    for (std::size_t k = 0; k < probability.size(); ++k) probability[k] = core::from_log_odds(log_odds_[k]);
     learn(probability);
   }
 }

@@ -6,11 +6,11 @@
 
 #include <boost/pending/disjoint_sets.hpp>
 
+#include "graph/events/believed_lives.hpp"
+
 namespace emberfold::mcmc::detail {
 
 namespace {
-
-constexpr double kThing = 20;  // patches a frame, about 100 px
 
 bool is_birth(const Change& change) {
   return change.before.empty();
@@ -20,6 +20,18 @@ bool is_death(const Change& change) {
 }
 
 }  // namespace
+
+template <class Take>
+void LifeCosts::for_lives(std::span<const std::uint32_t> strands, const ChangeState& state,
+                          const Take& take) {
+  const std::uint32_t before = call_;
+  for (const std::uint32_t s : strands) {
+    const std::uint32_t node = node_of_[s];
+    if (seen_[node] > before) continue;
+    ++call_;
+    take(node, cost_of_life(node, state));
+  }
+}
 
 void LifeCosts::Extent::add(const Extent& other) {
   comes_in = other.first < first ? other.comes_in : comes_in || (other.first == first && other.comes_in);
@@ -72,8 +84,8 @@ void LifeCosts::join_strands(const std::vector<bool>& can_happen) {
     node_of_[s] = static_cast<std::uint32_t>(node);
     const Strand& strand = field_.strands[s];
     nodes_[node].extent.add({strand.first, strand.last, strand.comes_in || !begins[s],
-                             strand.goes_out || !ends[s], strand.patches, double(strand.closed),
-                             double(strand.last - strand.first + 1)});
+                             strand.goes_out || !ends[s], strand.patches, strand.closed,
+                             static_cast<std::size_t>(strand.last - strand.first + 1)});
   }
 }
 
@@ -96,7 +108,8 @@ double LifeCosts::cost_of_life(std::uint32_t node, const ChangeState& state) {
       if (state.bridged[g])
         visit(field_.changes[field_.gaps[g].death].before), visit(field_.changes[field_.gaps[g].birth].after);
   }
-  const bool is_thing = 2 * life.closed > life.frames && life.patches > kThing * life.frames;
+  const graph::detail::Life shape{.frames = life.frames, .patches = life.patches, .closed = life.closed};
+  const bool is_thing = shape.is_thing();
   bool begins = life.comes_in, ends = life.goes_out;
   double beginning = 0, end = 0, misplaced = 0;  // costs
   for (const std::uint32_t n : life_)
@@ -125,24 +138,15 @@ double LifeCosts::noted(std::span<const std::uint32_t> strands) {
 }
 
 void LifeCosts::note(std::span<const std::uint32_t> strands, const ChangeState& state) {
-  const std::uint32_t before = call_;
-  for (const std::uint32_t s : strands) {
-    const std::uint32_t node = node_of_[s];
-    if (seen_[node] > before) continue;
-    ++call_;
-    cost_[node] = cost_of_life(node, state);
+  for_lives(strands, state, [&](std::uint32_t node, double cost) {
+    cost_[node] = cost;
     for (const std::uint32_t n : life_) life_of_[n] = node;
-  }
+  });
 }
 
 double LifeCosts::of(std::span<const std::uint32_t> strands, const ChangeState& state) {
   double sum = 0;
-  const std::uint32_t before = call_;
-  for (const std::uint32_t s : strands) {
-    if (seen_[node_of_[s]] > before) continue;
-    ++call_;
-    sum += cost_of_life(node_of_[s], state);
-  }
+  for_lives(strands, state, [&](std::uint32_t, double cost) { sum += cost; });
   return sum;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -10,20 +11,20 @@
 
 namespace emberfold::mcmc::detail {
 
-/// Nats that a birth or death costs that is none of a whole stroke, and an end of a part that has no other
-/// one. Between 1 and 4 nats found and false events of simulated and made scenes hardly differ.
+/// Costs, in nats, of a birth or death that is not that of a whole stroke, and of a part that begins by a
+/// change and ends by none. With costs of 1 to 4 the found and false events of simulated and made scenes
+/// hardly differ.
 inline constexpr double kLifeCost = 2, kPartCost = 1;
 
-/// Counts how far a state's births and deaths are those of whole strokes.
-/// The life of a stroke are the strands between which no change happened: those of a separation or union that
-/// did not happen, and those of a gap that it goes on through. These cost kLifeCost:
-/// - a birth in a life that began before, and a death in one that goes on;
-/// - the birth of a life that ends by no change and does not go out, and the death of one that begins so;
-/// and kPartCost a life that begins by a separation or union and does not end by any change, or the reverse.
-/// The latter two do not hold for outlines of things, closed and longer than 100 px, which are seen whatever
-/// becomes of them.
-/// Changes that are not open are taken as they are in the first state: strands between which none can happen
-/// are one from the start.
+/// Adds up what is inconsistent in a state.
+/// The strands between which no change happened make up one life: those of a separation or union that did not
+/// happen, and those on both sides of a bridged gap. kLifeCost is the cost of
+/// - each birth in a life that began earlier, and each death in one that continues;
+/// - a life that is born but ends by no change and does not go out, and of one that dies but has no
+/// beginning. kPartCost is the cost of a life that begins by a separation or union and ends by no change, or
+/// the reverse. Outlines of things, closed and longer than 100 px, need only one end: they are seen whatever
+/// becomes of them. Changes that are not open stay as they are in the first state, so strands between which
+/// none can happen are joined once and for all.
 class LifeCosts {
  public:
   /// `open`: the changes that may differ between states; `state` is noted. O(strands + changes).
@@ -42,7 +43,7 @@ class LifeCosts {
   struct Extent {  // of some strands
     int first = std::numeric_limits<int>::max(), last = -1;
     bool comes_in = false, goes_out = false;  // at `first`, at `last`
-    double patches = 0, closed = 0, frames = 0;
+    std::size_t patches = 0, closed = 0, frames = 0;
     void add(const Extent& other);
   };
   struct Node {  // strands that are one life in every state
@@ -50,6 +51,9 @@ class LifeCosts {
     std::vector<std::uint32_t> changes, gaps;
   };
   void join_strands(const std::vector<bool>& can_happen);
+  /// Calls take(node, cost) for each life that holds one of these strands; life_ are its nodes.
+  template <class Take>
+  void for_lives(std::span<const std::uint32_t> strands, const ChangeState& state, const Take& take);
   double cost_of_life(std::uint32_t node, const ChangeState& state);
   void visit(std::span<const std::uint32_t> strands);
 

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/math/log_odds.hpp"
 #include "core/parallel.hpp"
 #include "mcmc/sampler/change_chain.hpp"
 #include "mcmc/sampler/change_rates.hpp"
@@ -90,8 +91,10 @@ class Sampler {
     reopen(open);
     for (int sweep = 0; sweep < kBurnIn + kDraws; ++sweep) {
       context_.report("sample", double(sweep) / (kBurnIn + kDraws));
-      if (auto now = open_changes(rates_.log_odds()); sweep <= kBurnIn && now != open)
-        reopen(open = std::move(now));
+      if (sweep <= kBurnIn) {
+        auto now = open_changes(rates_.log_odds());
+        if (now != open) reopen(open = std::move(now));
+      }
       core::parallel_for(kChains, context_, [&](std::size_t c) { advance(c, sweep); });
       if (sweep >= kBurnIn) continue;
       const double step = sweep < kBurnIn / 2 ? 1 : std::pow(sweep - kBurnIn / 2 + 1, -kStepExponent);
@@ -111,7 +114,7 @@ class Sampler {
   }
 
  private:
-  [[nodiscard]] double alone(std::size_t k) const { return 1 / (1 + std::exp(-rates_.log_odds()[k])); }
+  [[nodiscard]] double alone(std::size_t k) const { return core::from_log_odds(rates_.log_odds()[k]); }
   [[nodiscard]] double mean_of(std::size_t k, bool is_open) const {
     if (!is_open) return alone(k);
     const auto count =
@@ -119,12 +122,13 @@ class Sampler {
     return double(count) / kChains;
   }
   void reopen(const std::vector<bool>& open) {
+    moves_ = detail::change_moves(field_, open);
     for (ChangeChain& chain : chains_) chain.open(open);
   }
   void advance(std::size_t c, int sweep) {
     core::Rng rng(seed_, {kStream, static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(sweep)});
     ChangeChain& chain = chains_[c];
-    chain.sweep(rates_.log_odds(), rng);
+    chain.sweep(moves_, rates_.log_odds(), rng);
     std::array<double, 7> numbers{};
     numbers[0] = chain.log_density(rates_.log_odds());
     for (std::size_t k = 0; k < field_.changes.size(); ++k) {
@@ -147,6 +151,7 @@ class Sampler {
   std::uint64_t seed_;
   const core::Context& context_;
   detail::ChangeRates rates_;
+  std::vector<detail::ChangeMove> moves_;  // of the open changes
   std::vector<ChangeChain> chains_;
   std::vector<std::vector<double>> times_;  // that each change happened, of each chain
   SamplerRun run_;

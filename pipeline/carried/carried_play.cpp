@@ -9,6 +9,7 @@
 #include "core/error.hpp"
 #include "core/math/robust.hpp"
 #include "graph/events/event_family.hpp"
+#include "graph/matching/time_reversal.hpp"
 #include "mcmc/learning/stroke_places.hpp"
 #include "pipeline/carried/life_again.hpp"
 #include "pipeline/footage/motion_scale.hpp"
@@ -32,12 +33,6 @@ constexpr std::size_t kFromEnd = 4;  // patches between a split and a free end
 
 std::size_t index(EventType type) {
   return static_cast<std::size_t>(type);
-}
-
-EventType reversed(EventType type) {
-  using enum EventType;
-  constexpr std::array kBackwards = {death, birth, merge, split, disconnect, connect};
-  return kBackwards[index(type)];
 }
 
 double mean_width(const graph::AttributeGraph& graph, const std::vector<Index>& stroke) {
@@ -267,7 +262,7 @@ void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMo
   const auto& events = clip_->events(std::max(frame_, frame_ - played.step));
   const auto& graph = clip_->graph(frame_);
   for (const auto& [event, path_frame, path] : events) {
-    const auto type = played.step > 0 ? event.type : reversed(event.type);
+    const auto type = played.step > 0 ? event.type : graph::reverse_time(event.type);
     if (type == EventType::birth) continue;
     const double rate = edit_.rates[index(type)];
     auto& count = moment.operators[index(type)];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/inference/event_posterior.hpp"
 
-#include <cmath>
 #include <map>
 
+#include "core/math/log_odds.hpp"
 #include "graph/events/believed_graph.hpp"
 #include "graph/events/believed_lives.hpp"
 #include "graph/events/continued_strokes.hpp"
@@ -40,7 +40,7 @@ std::vector<graph::Event> weighed_events(core::FrameSource& source, const graph:
   std::vector<graph::Event> events;
   for (const WeighedEvent& weighed : weigh_events(source, motion, context)) {
     events.push_back(weighed.event);
-    events.back().probability = 1 / (1 + std::exp(-mcmc::change_log_odds(weighed.evidence)));
+    events.back().probability = core::from_log_odds(mcmc::change_log_odds(weighed.evidence));
   }
   graph::sort_events(events);
   return events;
@@ -55,14 +55,13 @@ mcmc::ChangeField change_field(const graph::MotionGraph& motion, std::span<const
   for (const auto& [stroke, life] : lives) {
     strand_of[stroke] = static_cast<std::uint32_t>(field.strands.size());
     field.strands.push_back({static_cast<int>(life.first), static_cast<int>(life.last), life.comes_in,
-                             life.goes_out, static_cast<double>(life.patches),
-                             static_cast<int>(life.closed)});
+                             life.goes_out, life.patches, life.closed});
   }
   for (const graph::Event& event : events) {
     mcmc::Change change{event.type,
                         event.frame,
                         event.position,
-                        std::log(event.probability) - std::log1p(-event.probability),
+                        core::log_odds(event.probability),
                         field.changes.size() < with_rate,
                         {},
                         {}};

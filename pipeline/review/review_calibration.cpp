@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/error.hpp"
+#include "core/math/log_odds.hpp"
 #include "core/rng.hpp"
 
 namespace emberfold::pipeline {
@@ -26,10 +27,6 @@ constexpr std::size_t kClasses = 7;  // the six classes, and their total
 double log_odds(double p) {
   return std::clamp(std::log(p / (1 - p)), -kMostOdds, kMostOdds);
 }
-double logistic(double odds) {
-  return 1 / (1 + std::exp(-odds));
-}
-
 std::size_t group_of(graph::EventType type) {
   return type == graph::EventType::birth || type == graph::EventType::death ? 0 : 1;
 }
@@ -43,7 +40,7 @@ struct Fact {
 struct Line {
   double shift = 0, slope = 1;
   [[nodiscard]] double probability(double p) const {
-    return p <= 0 ? 0 : logistic(shift + slope * log_odds(p));
+    return p <= 0 ? 0 : core::from_log_odds(shift + slope * log_odds(p));
   }
 };
 

@@ -13,6 +13,7 @@
 #include "core/rng.hpp"
 #include "graph/events/event_score.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/matching/time_reversal.hpp"
 #include "sketch/extract.hpp"
 #include "tests/bench/figures/inputs.hpp"
 
@@ -32,25 +33,6 @@ void sketch_frames(EventClip& clip, double fps) {
   clip.sketch.width = clip.frames.front().cols, clip.sketch.height = clip.frames.front().rows;
   clip.sketch.fps = fps;
   for (const auto& graph : graphs) clip.sketch.append(graph);
-}
-
-graph::EventType opposite(graph::EventType type) {
-  using enum graph::EventType;
-  switch (type) {
-    case birth:
-      return death;
-    case death:
-      return birth;
-    case split:
-      return merge;
-    case merge:
-      return split;
-    case connect:
-      return disconnect;
-    case disconnect:
-      return connect;
-  }
-  return type;
 }
 
 }  // namespace
@@ -104,7 +86,7 @@ EventClip backwards(const EventClip& clip) {
 std::vector<graph::Event> told_forwards(std::vector<graph::Event> events, int frames) {
   for (auto& event : events) {
     event.frame = frames - event.frame;  // the gap before frame t is the one before frame T − t
-    event.type = opposite(event.type);
+    event.type = graph::reverse_time(event.type);
     std::swap(event.before, event.after);
   }
   graph::sort_events(events);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
+#include "graph/matching/time_reversal.hpp"
 #include "mcmc/sampler/change_field.hpp"
 
 namespace emberfold::test {
@@ -20,7 +21,7 @@ inline mcmc::ChangeField random_field(std::uint64_t seed, int changes, double sp
   std::vector<std::uint32_t> there;
   const auto begin = [&](int frame) {
     there.push_back(static_cast<std::uint32_t>(field.strands.size()));
-    field.strands.push_back({frame, frame, frame == 0, false, 5, rng.uniform() < 0.1 ? 1 : 0});
+    field.strands.push_back({frame, frame, frame == 0, false, 5, rng.uniform() < 0.1 ? 1U : 0U});
     return there.back();
   };
   const auto end = [&](int frame) {
@@ -63,7 +64,6 @@ inline mcmc::ChangeField random_field(std::uint64_t seed, int changes, double sp
 
 /// Returns the field of the clip played backwards, which has so many frames.
 inline mcmc::ChangeField reversed(mcmc::ChangeField field, int frames) {
-  using graph::EventType;
   for (mcmc::Strand& strand : field.strands) {
     const int last = strand.last;
     strand.last = frames - 1 - strand.first, strand.first = frames - 1 - last;
@@ -72,26 +72,7 @@ inline mcmc::ChangeField reversed(mcmc::ChangeField field, int frames) {
   for (mcmc::Change& change : field.changes) {
     change.frame = frames - change.frame;
     std::swap(change.before, change.after);
-    switch (change.type) {
-      case EventType::birth:
-        change.type = EventType::death;
-        break;
-      case EventType::death:
-        change.type = EventType::birth;
-        break;
-      case EventType::split:
-        change.type = EventType::merge;
-        break;
-      case EventType::merge:
-        change.type = EventType::split;
-        break;
-      case EventType::connect:
-        change.type = EventType::disconnect;
-        break;
-      case EventType::disconnect:
-        change.type = EventType::connect;
-        break;
-    }
+    change.type = graph::reverse_time(change.type);
   }
   for (mcmc::Gap& gap : field.gaps) std::swap(gap.death, gap.birth);
   return field;
