@@ -9,7 +9,7 @@
 Clips are NumPy arrays, files, or what `ef.open` makes of them. Colours are red, green, blue; frames count from 0; places are
 pixels, x to the right and y down. Long calls leave the interpreter free and end at Ctrl-C.
 """
-from . import dytex, graph, mcmc, measures, rates, sketch
+from . import dytex, graph, sketch
 from ._native import (
     AnalyzeOptions,
     Cancelled,
@@ -39,8 +39,7 @@ __all__ = [
     "AnalyzeOptions", "Cancelled", "Clip", "ClipModel", "ClipSynthesisOptions", "CompareOptions",
     "Comparison", "ExtractOptions", "InputError", "IoError", "MatchOptions", "ModelComparison",
     "MotionGraph", "MotionModel", "NumericalError", "OperatorRates", "QuiltOptions", "Run", "SketchSequence", "analyze",
-    "compare", "compare_models", "dytex", "graph", "mcmc", "measure_quilt", "measures", "open", "quilt", "rates", "read_run", "render_quilt",
-    "sketch", "write_video",
+    "compare", "compare_models", "dytex", "graph", "measure_quilt", "open", "quilt", "read_run", "render_quilt", "sketch", "write_video",
 ]
 
 show_compiled()

@@ -8,30 +8,20 @@ import numpy as np
 import pandas as pd
 
 from . import _native
-from ._native import (PRESETS, BinetCauchyOptions, CurveOptions, EmOptions, LearnOptions, LearnResult, LinearDynamicTexture, Star,
-                      StarOptions, SynthesisOptions, binet_cauchy, grassmann_distance, kl_growth, kl_rate, martin_distance,
-                      moving_region, projection_errors, rounded, stationary_covariance, stored_bytes, subspace_angles,
+from ._native import (PRESETS, BinetCauchyOptions, CurveOptions, EmOptions, LearnOptions, LinearDynamicTexture, SynthesisOptions,
                       window_distance)
 from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
-__all__ = ["PRESETS", "BinetCauchyOptions", "CurveOptions", "EmOptions", "LearnOptions", "LearnResult", "LinearDynamicTexture", "Star",
-           "StarOptions", "SynthesisOptions", "binet_cauchy", "distance_matrices", "forecast", "grassmann_distance", "kl_growth",
-           "kl_rate", "learn", "learn_missing", "learn_region", "learn_result", "learn_star", "learning_curve", "martin_distance",
-           "maximise_likelihood", "moving_region", "projection_errors", "rounded", "stationary_covariance", "stored_bytes",
-           "subspace_angles", "window_distance", "window_spectrum"]
+__all__ = ["PRESETS", "BinetCauchyOptions", "CurveOptions", "EmOptions", "LearnOptions", "LinearDynamicTexture", "SynthesisOptions",
+           "distance_matrices", "forecast", "learn", "learn_missing", "learn_region", "learning_curve", "maximise_likelihood",
+           "window_distance", "window_spectrum"]
 
 
 def learn(clip: ClipLike, *, progress: Progress = None, **options: Any) -> LinearDynamicTexture:
     """Learns a texture; arguments are the fields of LearnOptions. What was not taken as asked is a warning."""
     with reporter(progress) as report:
         return _native.learn(data_of(clip), report, **options)
-
-
-def learn_result(clip: ClipLike, *, progress: Progress = None, **options: Any) -> LearnResult:
-    """Learns a texture as learn() does; returns it with what was found on the way."""
-    with reporter(progress) as report:
-        return _native.learn_result(data_of(clip), report, **options)
 
 
 def learn_region(clip: ClipLike, mask: np.ndarray, *, progress: Progress = None, **options: Any) -> LinearDynamicTexture:
@@ -88,12 +78,6 @@ def window_spectrum(of: Union[ClipLike, LinearDynamicTexture], *, progress: Prog
         return _native.window_spectrum(data_of(of), report)
 
 
-def learn_star(clip: ClipLike, *, progress: Progress = None, **options: Any) -> Star:
-    """Learns a spatio-temporal auto-regression; arguments are the fields of StarOptions."""
-    with reporter(progress) as report:
-        return _native.learn_star(data_of(clip), StarOptions(**options), report)
-
-
 def _bytes(mask: Any) -> Any:
     return mask.astype(np.uint8) if isinstance(mask, np.ndarray) and mask.dtype == bool else mask
 
@@ -102,6 +86,5 @@ def _mask(mask: Any) -> Any:
     return mask.astype(np.uint8) * 255 if isinstance(mask, np.ndarray) and mask.dtype == bool else mask
 
 
-learn_result.__doc__ = f"{learn_result.__doc__}\n\n{_native.learn.__doc__}"
-for _made in (learn, learn_region, maximise_likelihood, learn_missing, forecast, learning_curve, distance_matrices, window_spectrum, learn_star):
+for _made in (learn, learn_region, maximise_likelihood, learn_missing, forecast, learning_curve, distance_matrices, window_spectrum):
     _made.__doc__ = f"{_made.__doc__}\n\n{getattr(_native, _made.__name__).__doc__}"

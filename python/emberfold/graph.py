@@ -11,14 +11,12 @@ import numpy as np
 import pandas as pd
 
 from . import _native
-from ._native import (EVENT_TYPES, PATCH_DTYPE, PATCH_TYPES, MatchOptions, Morph, MorphOptions, MotionGraph, ScoreOptions,
-                      SketchSequence, curves_as_strokes, event_contacts, event_statistics, events_json, remove_flicker, reverse_time,
-                      stroke_events, trajectories)
+from ._native import (EVENT_TYPES, PATCH_DTYPE, PATCH_TYPES, MatchOptions, MotionGraph, ScoreOptions, SketchSequence, event_contacts,
+                      events_json, stroke_events, trajectories)
 from .progress import Progress, reporter
 
-__all__ = ["EVENT_TYPES", "PATCH_DTYPE", "PATCH_TYPES", "MatchOptions", "Morph", "MorphOptions", "MotionGraph", "ScoreOptions", "SketchSequence",
-           "curves_as_strokes", "event_contacts", "event_statistics", "events_json", "identify_curves", "match", "morph", "remove_flicker",
-           "reverse_time", "score_events", "stroke_events", "to_networkx", "trajectories"]
+__all__ = ["EVENT_TYPES", "PATCH_DTYPE", "PATCH_TYPES", "MatchOptions", "MotionGraph", "ScoreOptions", "SketchSequence", "event_contacts",
+           "events_json", "identify_curves", "match", "score_events", "stroke_events", "to_networkx", "trajectories"]
 
 Events = Union[str, "os.PathLike[str]", pd.DataFrame, List[Tuple[Any, ...]]]
 
@@ -84,16 +82,8 @@ def identify_curves(motion: MotionGraph, *, progress: Progress = None) -> Motion
         return _native.identify_curves(motion, report)
 
 
-def morph(first: SketchSequence, last: SketchSequence, *, at: int = 0, to: int = 0, progress: Progress = None, **options: Any) -> Morph:
-    """Walks the shortest path from a frame's graph to another's: frame `at` of `first`, `to` of `last`. Arguments are the
-    fields of MorphOptions; ef.sketch.draw_morph() draws its frames."""
-    with reporter(progress) as report:
-        return _native.morph(first, last, at, to, MorphOptions(**options), report)
-
-
 match.__doc__ = f"{match.__doc__}\n\n{_native.match.__doc__}"
 score_events.__doc__ = f"{score_events.__doc__}\n\n{_native.score_events.__doc__}"
-morph.__doc__ = f"{morph.__doc__}\n\n{_native.morph.__doc__}"
 identify_curves.__doc__ = f"{identify_curves.__doc__}\n\n{_native.identify_curves.__doc__}"
 
 

@@ -8,16 +8,13 @@ namespace emberfold::python {
 
 void bind_core(pybind11::module_& module);
 void bind_clip(pybind11::module_& module);
-void bind_rates(pybind11::module_& module);
 void bind_graph(pybind11::module_& module);
 void bind_events(pybind11::module_& module);
 void bind_sketch(pybind11::module_& module);
-void bind_drawing(pybind11::module_& module);
 void bind_mcmc(pybind11::module_& module);
 void bind_dytex(pybind11::module_& module);
 void bind_textures(pybind11::module_& module);
 void bind_quilt(pybind11::module_& module);
-void bind_measures(pybind11::module_& module);
 void bind_model(pybind11::module_& module);
 void bind_pipeline(pybind11::module_& module);
 void bind_compare(pybind11::module_& module);

@@ -7,7 +7,6 @@
 #include <pybind11/stl.h>
 
 #include "core/io/model_folder.hpp"
-#include "dytex/distances/distances.hpp"
 #include "dytex/editing/edit.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/model/archive.hpp"
@@ -249,59 +248,22 @@ void bind_texture(py::module_& module) {
   texture.attr("__hash__") = py::none();
 }
 
-dytex::LearnResult learn(const ClipData& clip, const py::object& progress, const py::kwargs& given) {
-  const auto options = options_of<dytex::LearnOptions>(given);
-  return call(progress,
-              [&](const core::Context& context) { return dytex::learn(*clip.open(), options, context); });
-}
-
 }  // namespace
 
 void bind_dytex(py::module_& module) {
   bind_options(module);
   bind_texture(module);
-  py::class_<dytex::LearnResult>(module, "LearnResult")
-      .def_readonly("texture", &dytex::LearnResult::texture)
-      .def_readonly("least_squares_radius", &dytex::LearnResult::least_squares_radius,
-                    doc("dytex::LearnResult::least_squares_radius"))
-      .def_readonly("passes", &dytex::LearnResult::passes, doc("dytex::LearnResult::passes"))
-      .def_readonly("held_out", &dytex::LearnResult::held_out, doc("dytex::LearnResult::held_out"))
-      .def_readonly("notes", &dytex::LearnResult::notes, doc("dytex::LearnResult::notes"))
-      .def(py::pickle(
-          [](const dytex::LearnResult& r) {
-            return py::make_tuple(r.texture, r.least_squares_radius, r.passes, r.held_out, r.notes);
-          },
-          [](const py::tuple& state) {
-            dytex::LearnResult r;
-            r.texture = state[0].cast<Texture>();
-            r.least_squares_radius = state[1].cast<decltype(r.least_squares_radius)>();
-            r.passes = state[2].cast<decltype(r.passes)>();
-            r.held_out = state[3].cast<decltype(r.held_out)>();
-            r.notes = state[4].cast<decltype(r.notes)>();
-            return r;
-          }));
-  module.def("learn_result", learn, py::arg("clip"), py::arg("progress") = py::none(), doc("dytex::learn"));
   module.def(
       "learn",
       [](const ClipData& clip, const py::object& progress, const py::kwargs& given) {
-        auto result = learn(clip, progress, given);
+        const auto options = options_of<dytex::LearnOptions>(given);
+        auto result = call(progress, [&](const core::Context& context) {
+          return dytex::learn(*clip.open(), options, context);
+        });
         warn(result.notes);
         return std::move(result.texture);
       },
       py::arg("clip"), py::arg("progress") = py::none(), doc("dytex::learn"));
-  module.def("kl_rate", &dytex::kl_rate, py::arg("p"), py::arg("q"), doc("dytex::kl_rate"));
-  module.def("subspace_angles", &dytex::subspace_angles, py::arg("p"), py::arg("q"),
-             doc("dytex::subspace_angles"));
-  module.def(
-      "martin_distance", [](const Eigen::VectorXd& a) { return dytex::martin_distance(a); },
-      py::arg("angles"), doc("dytex::martin_distance"));
-  module.def(
-      "grassmann_distance", [](const Eigen::VectorXd& a) { return dytex::grassmann_distance(a); },
-      py::arg("angles"), doc("dytex::grassmann_distance"));
-  module.def(
-      "stationary_covariance",
-      [](const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) { return dytex::stationary_covariance(A, B); },
-      py::arg("A"), py::arg("B"), doc("dytex::stationary_covariance"));
   py::list presets;
   for (const auto& preset : dytex::presets()) presets.append(py::make_tuple(preset.name, preset.about));
   module.attr("PRESETS") = py::tuple(presets);

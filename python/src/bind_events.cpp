@@ -8,15 +8,12 @@
 
 #include <pybind11/stl.h>
 
-#include "graph/curves/curve_strokes.hpp"
 #include "graph/events/event_names.hpp"
 #include "graph/events/event_score.hpp"
 #include "graph/exporting/tracking_files.hpp"
 #include "graph/io/contact_tables.hpp"
 #include "graph/io/motion_io.hpp"
 #include "graph/io/review_io.hpp"
-#include "graph/matching/flicker_removal.hpp"
-#include "graph/matching/time_reversal.hpp"
 #include "python/src/bind.hpp"
 #include "python/src/calls.hpp"
 #include "python/src/clip_data.hpp"
@@ -166,20 +163,6 @@ void bind_reviews(py::module_& module) {
       py::arg("review"), doc("graph::told_events"));
 }
 
-void bind_changes(py::module_& module) {
-  module.def(
-      "curves_as_strokes",
-      [](const Motion& motion) { return hold(graph::curves_as_strokes(*motion.graphs)); }, py::arg("motion"),
-      doc("graph::curves_as_strokes"));
-  module.def(
-      "reverse_time", [](const Motion& motion) { return hold(graph::reverse_time(*motion.graphs)); },
-      py::arg("motion"), doc("graph::reverse_time"));
-  module.def(
-      "remove_flicker",
-      [](const Motion& motion, int frames) { return hold(graph::remove_flicker(*motion.graphs, frames)); },
-      py::arg("motion"), py::arg("frames"), doc("graph::remove_flicker"));
-}
-
 }  // namespace
 
 py::tuple event_tuple(const graph::Event& e) {
@@ -258,7 +241,6 @@ void bind_events(py::module_& module) {
   bind_exports(module);
   bind_tables(module);
   bind_reviews(module);
-  bind_changes(module);
 }
 
 }  // namespace emberfold::python

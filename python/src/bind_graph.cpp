@@ -17,7 +17,6 @@
 #include "graph/io/network_table.hpp"
 #include "graph/io/unit_tables.hpp"
 #include "graph/matching/match.hpp"
-#include "graph/morphing/morph.hpp"
 #include "graph/network/tip_growth.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
@@ -256,44 +255,6 @@ void bind_motion(py::module_& module) {
   bind_text(motion);
 }
 
-void bind_morph(py::module_& module) {
-  OptionsClass<graph::MorphOptions>(module, "MorphOptions", "graph::MorphOptions")
-      .described_fields()
-      .finish();
-  py::class_<graph::Morph>(module, "Morph", doc("graph::Morph"))
-      .def_property_readonly(
-          "motion", [](const graph::Morph& m) { return hold(m.motion); }, doc("graph::Morph::motion"))
-      .def_property_readonly(
-          "opacity",
-          [](const graph::Morph& m) {
-            py::list frames;
-            for (const auto& frame : m.opacity)
-              frames.append(py::array_t<float>(static_cast<py::ssize_t>(frame.size()), frame.data()));
-            return frames;
-          },
-          doc("graph::Morph::opacity"))
-      .def_readonly("length", &graph::Morph::length, doc("graph::Morph::length"))
-      .def_readonly("moved", &graph::Morph::moved)
-      .def_readonly("died", &graph::Morph::died)
-      .def_readonly("born", &graph::Morph::born);
-  module.def(
-      "morph",
-      [](const Sketch& from, const Sketch& to, py::ssize_t at, py::ssize_t until,
-         const graph::MorphOptions& options, const py::object& progress) {
-        const auto &a = frame_of(from, at), &b = frame_of(to, until);
-        const auto &first = *from.graphs, &last = *to.graphs;
-        if (first.width != last.width || first.height != last.height)
-          throw core::InputError("morph: the graphs are of " + std::to_string(first.width) + "x" +
-                                 std::to_string(first.height) + " and " + std::to_string(last.width) + "x" +
-                                 std::to_string(last.height) + " px; both must be of one size");
-        return call(progress, [&](const core::Context& context) {
-          return graph::morph(a, b, first.width, first.height, first.fps, options, context);
-        });
-      },
-      py::arg("from_"), py::arg("to"), py::arg("at") = 0, py::arg("until") = 0,
-      py::arg("options") = graph::MorphOptions{}, py::arg("progress") = py::none(), doc("graph::morph"));
-}
-
 std::vector<std::pair<int, std::vector<std::uint32_t>>> trajectory_list(const Motion& motion) {
   std::vector<std::pair<int, std::vector<std::uint32_t>>> all;
   for (const auto& one : graph::trajectories(*motion.graphs)) {
@@ -315,7 +276,6 @@ void bind_graph(py::module_& module) {
   OptionsClass<graph::MatchOptions>(module, "MatchOptions", "graph::MatchOptions")
       .described_fields()
       .finish();
-  bind_morph(module);
   py::list patch_types, event_types;
   for (int i = 0; i <= static_cast<int>(graph::PatchType::anchor); ++i)
     patch_types.append(graph::name(static_cast<graph::PatchType>(i)));

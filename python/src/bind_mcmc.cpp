@@ -9,18 +9,11 @@
 
 #include <pybind11/stl.h>
 
-#include "mcmc/inference/transition_likelihood.hpp"
-#include "mcmc/learning/fit.hpp"
 #include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/model/motion_model.hpp"
-#include "mcmc/simulation/event_statistics.hpp"
-#include "mcmc/simulation/predict.hpp"
-#include "mcmc/simulation/synthesize.hpp"
 #include "python/src/archives.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/bind.hpp"
-#include "python/src/calls.hpp"
-#include "python/src/holders.hpp"
 #include "python/src/options.hpp"
 
 namespace emberfold::python {
@@ -173,68 +166,6 @@ void bind_autoregression(py::module_& module) {
       .field("range", &Autoregression::range)
       .field("measurement", &Autoregression::measurement)
       .finish();
-  module.def("spectral_radius", &mcmc::spectral_radius, py::arg("motion"), doc("mcmc::spectral_radius"));
-  module.def("stationary_deviation", &mcmc::stationary_deviation, py::arg("motion"),
-             doc("mcmc::stationary_deviation"));
-}
-
-py::dict statistics_dict(const mcmc::EventStatistics& found) {
-  py::dict events;
-  for (const auto type : graph::all_event_types())
-    events[py::str(std::string(graph::name(type)))] = found.events.at(static_cast<std::size_t>(type));
-  return py::dict(py::arg("events") = events, py::arg("strokes") = found.strokes,
-                  py::arg("patches") = found.patches);
-}
-
-void bind_learning(py::module_& module) {
-  using Fit = mcmc::FitOptions;
-  module.def(
-      "fit",
-      [](const Motion& motion, std::uint64_t seed, bool calibrate, const py::object& progress) {
-        return call(progress,
-                    [&](const core::Context& context) {
-                      auto found = mcmc::fit(*motion.graphs, Fit{seed, calibrate}, context);
-                      for (const auto& note : found.notes) context.warn(note);
-                      return found;
-                    })
-            .model;
-      },
-      py::arg("motion"), py::arg("seed") = Fit{}.seed, py::arg("calibrate") = Fit{}.calibrate,
-      py::arg("progress") = py::none(), doc("mcmc::fit"));
-  module.def(
-      "predict",
-      [](const MotionModel& model, const Motion& motion, int steps) {
-        return hold(call(py::none(), [&](const core::Context&) {
-          const auto& seen = motion.graphs->sketch;
-          graph::SketchSequence sketch{seen.width, seen.height, seen.fps, {}};
-          for (const auto& graph : mcmc::predict(model, *motion.graphs, steps)) sketch.append(graph);
-          return sketch;
-        }));
-      },
-      py::arg("model"), py::arg("motion"), py::arg("steps") = 1, doc("mcmc::predict"));
-  module.def(
-      "transition_likelihoods",
-      [](const MotionModel& given, const Motion& motion, const py::object& progress) {
-        const MotionModel model = given;
-        const auto gaps = call(progress, [&](const core::Context& context) {
-          return mcmc::transition_likelihoods(model, *motion.graphs, context);
-        });
-        py::list rows;
-        for (const auto& gap : gaps)
-          rows.append(py::make_tuple(gap.displacement, gap.contrast, gap.events, gap.total(), gap.places,
-                                     gap.happened));
-        return rows;
-      },
-      py::arg("model"), py::arg("motion"), py::arg("progress") = py::none(),
-      doc("mcmc::transition_likelihoods"));
-  module.def(
-      "event_statistics",
-      [](const Motion& motion) {
-        return statistics_dict(call(py::none(), [&](const core::Context&) {
-          return mcmc::event_statistics(*motion.graphs, graph::stroke_events(*motion.graphs));
-        }));
-      },
-      py::arg("motion"), doc("mcmc::event_statistics"));
 }
 
 }  // namespace
@@ -242,7 +173,6 @@ void bind_learning(py::module_& module) {
 void bind_mcmc(py::module_& module) {
   bind_autoregression(module);
   bind_operator_rates(module);
-  bind_learning(module);
   py::class_<MotionModel> motion_model(module, "MotionModel", doc("mcmc::MotionModel"));
   motion_model.attr("__hash__") = py::none();
   motion_model.def("__copy__", [](const MotionModel& m) { return m; })
@@ -269,19 +199,6 @@ void bind_mcmc(py::module_& module) {
       },
       py::arg("events"), py::arg("time"), py::arg("variance") = 0, py::arg("prior_events") = 0.5,
       py::arg("prior_time") = 0, py::arg("probability") = 0.9, doc("mcmc::rate_interval"));
-  module.def(
-      "synthesize",
-      [](const MotionModel& given, int frames, std::uint64_t seed, bool stationary,
-         const py::object& progress) {
-        const MotionModel model = given;
-        mcmc::validate(model);
-        const auto start = stationary ? mcmc::Start::stationary : mcmc::Start::data;
-        return hold(call(progress, [&](const core::Context& context) {
-          return mcmc::synthesize(model, frames, seed, context, start);
-        }));
-      },
-      py::arg("model"), py::arg("frames"), py::arg("seed") = 1, py::arg("stationary") = false,
-      py::arg("progress") = py::none(), doc("mcmc::synthesize"));
 }
 
 }  // namespace emberfold::python

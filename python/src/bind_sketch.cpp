@@ -8,7 +8,6 @@
 #include "python/src/holders.hpp"
 #include "python/src/options.hpp"
 #include "sketch/extract.hpp"
-#include "sketch/inpainting/fill.hpp"
 
 namespace emberfold::python {
 
@@ -28,12 +27,6 @@ Sketch extract(const py::array& levels, const sketch::ExtractOptions& options) {
   }));
 }
 
-py::array fill(const py::array& levels, const py::array& mask) {
-  const cv::Mat frame = to_levels(levels, "levels"), held = to_mask(mask, "mask");
-  const auto filled = call(py::none(), [&](const core::Context&) { return sketch::fill(frame, held); });
-  return to_array(filled.levels);
-}
-
 py::array reconstruct(const py::array& levels, const Sketch& sketch) {
   const cv::Mat frame = to_levels(levels, "levels");
   if (sketch.graphs->frames.size() != 1)
@@ -50,11 +43,7 @@ void bind_sketch(py::module_& module) {
   bind_options(module);
   module.def("extract", extract, py::arg("levels"), py::arg("options") = sketch::ExtractOptions{},
              doc("sketch::extract"));
-  module.def("fill", fill, py::arg("levels"), py::arg("mask"), doc("sketch::fill"));
   module.def("reconstruct", reconstruct, py::arg("levels"), py::arg("sketch"), doc("pipeline::reconstruct"));
-  module.def(
-      "estimate_noise", [](const py::array& luma) { return sketch::estimate_noise(to_levels(luma, "luma")); },
-      py::arg("luma"), doc("sketch::estimate_noise"));
   module.def(
       "sketch_clip",
       [](const ClipData& clip, const sketch::ExtractOptions& options, const py::object& progress) {

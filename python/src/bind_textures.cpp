@@ -11,7 +11,6 @@
 #include <pybind11/stl.h>
 
 #include "core/error.hpp"
-#include "dytex/baselines/star.hpp"
 #include "dytex/distances/distances.hpp"
 #include "dytex/distances/window_spectra.hpp"
 #include "dytex/estimation/em.hpp"
@@ -19,7 +18,6 @@
 #include "dytex/estimation/observations.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/learning/learning_curve.hpp"
-#include "dytex/model/compression.hpp"
 #include "dytex/model/layers.hpp"
 #include "dytex/synthesize.hpp"
 #include "python/src/arrays.hpp"
@@ -115,11 +113,6 @@ py::dict distance_matrices(const std::vector<Texture>& textures, const dytex::Bi
   return matrices;
 }
 
-dytex::Precision precision(const std::string& name) {
-  if (const auto found = dytex::precision_of(name)) return *found;
-  throw py::value_error("precision is '" + name + "'; allowed is f32, f16 or u8");
-}
-
 void bind_learning(py::module_& module) {
   using Em = dytex::EmOptions;
   OptionsClass<Em>(module, "EmOptions", "dytex::EmOptions")
@@ -156,16 +149,6 @@ void bind_distances(py::module_& module) {
       .field("discount", &Kernel::discount)
       .field("first_frame", &Kernel::first_frame)
       .finish();
-  module.def("binet_cauchy", &dytex::binet_cauchy, py::arg("p"), py::arg("q"), py::arg("options") = Kernel{},
-             py::call_guard<py::gil_scoped_release>(), doc("dytex::binet_cauchy"));
-  module.def(
-      "kl_growth",
-      [](const Texture& p, const Texture& q, int length, const py::object& progress) {
-        return call(progress,
-                    [&](const core::Context& context) { return dytex::kl_growth(p, q, length, context); });
-      },
-      py::arg("p"), py::arg("q"), py::arg("length"), py::arg("progress") = py::none(),
-      doc("dytex::kl_growth"));
   module.def(
       "window_spectrum_of_model", [](const Texture& texture) { return dytex::window_spectrum(texture); },
       py::arg("texture"), py::call_guard<py::gil_scoped_release>(), doc("dytex::WindowSpectrum"));
@@ -185,27 +168,7 @@ void bind_distances(py::module_& module) {
              py::arg("progress") = py::none(), doc("dytex::all_distances"));
 }
 
-void bind_compression(py::module_& module) {
-  module.def(
-      "rounded",
-      [](const Texture& texture, const std::string& to) { return dytex::rounded(texture, precision(to)); },
-      py::arg("texture"), py::arg("precision"), doc("dytex::rounded"));
-  module.def(
-      "stored_bytes",
-      [](const Texture& texture, std::optional<Eigen::Index> components, const std::string& to) {
-        return dytex::stored_bytes(texture, components.value_or(texture.components()), precision(to));
-      },
-      py::arg("texture"), py::arg("components") = py::none(), py::arg("precision") = "f32",
-      doc("dytex::stored_bytes"));
-  module.def(
-      "projection_errors",
-      [](const Texture& texture, const std::string& to) {
-        return dytex::projection_errors(texture, precision(to));
-      },
-      py::arg("texture"), py::arg("precision") = "f32", doc("dytex::projection_errors"));
-  module.def(
-      "moving_region", [](const Texture& texture) { return to_array(dytex::moving_region(texture)); },
-      py::arg("texture"), doc("dytex::moving_region"));
+void bind_regions(py::module_& module) {
   module.def(
       "learn_region",
       [](const ClipData& clip, const py::array& mask, const dytex::LearnOptions& options,
@@ -223,85 +186,12 @@ void bind_compression(py::module_& module) {
       py::arg("progress") = py::none(), doc("dytex::confine"));
 }
 
-py::array draw_star(const dytex::Star& star, int frames, std::uint64_t seed, const py::object& progress) {
-  if (frames < 1 || frames > 1'000'000)
-    throw py::value_error("frames is " + std::to_string(frames) + "; allowed is 1 to 1000000");
-  FrameArray out(frames, star.info.height, star.info.width, star.info.channels, CV_8U);
-  run_interruptibly(progress, [&](const core::Context& context) {
-    dytex::StarSynthesis synthesis(star, seed);
-    for (int t = 0; t < frames; ++t) {
-      context.check();
-      out.put(t, synthesis.next());
-      context.report("synthesize", (t + 1.0) / frames);
-    }
-  });
-  return out.array();
-}
-
-py::tuple star_state(const dytex::Star& star) {
-  std::vector<std::array<int, 3>> terms;
-  for (const auto& term : star.terms) terms.push_back({term.x, term.y, term.lag});
-  const auto& info = star.info;
-  return py::make_tuple(info.width, info.height, info.channels, info.fps, info.frames, star.mean, terms,
-                        star.coefficients, star.noise);
-}
-
-dytex::Star star_from(const py::tuple& state) {
-  dytex::Star star;
-  star.info.width = state[0].cast<int>(), star.info.height = state[1].cast<int>();
-  star.info.channels = state[2].cast<int>(), star.info.fps = state[3].cast<double>();
-  star.info.frames = state[4].cast<std::optional<std::int64_t>>();
-  star.mean = state[5].cast<Eigen::VectorXf>();
-  for (const auto& [x, y, lag] : state[6].cast<std::vector<std::array<int, 3>>>())
-    star.terms.push_back({x, y, lag});
-  star.coefficients = state[7].cast<Eigen::VectorXd>(), star.noise = state[8].cast<Eigen::MatrixXd>();
-  dytex::validate(star);
-  return star;
-}
-
-void bind_star(py::module_& module) {
-  OptionsClass<dytex::StarOptions>(module, "StarOptions", "dytex::StarOptions")
-      .field("reach", &dytex::StarOptions::reach)
-      .field("lags", &dytex::StarOptions::lags)
-      .finish();
-  py::class_<dytex::Star>(module, "Star", doc("dytex::Star"))
-      .def_readonly("coefficients", &dytex::Star::coefficients, doc("dytex::Star::coefficients"))
-      .def_readonly("noise", &dytex::Star::noise, doc("dytex::Star::noise"))
-      .def_property_readonly(
-          "terms",
-          [](const dytex::Star& star) {
-            py::list terms;
-            for (const auto& term : star.terms) terms.append(py::make_tuple(term.x, term.y, term.lag));
-            return terms;
-          },
-          doc("dytex::StarTerm"))
-      .def("synthesize", draw_star, py::arg("frames"), py::arg("seed") = 1, py::arg("progress") = py::none(),
-           doc("dytex::StarSynthesis"))
-      .def("__copy__", [](const dytex::Star& star) { return star; })
-      .def(py::pickle([](const dytex::Star& star) { return star_state(star); },
-                      [](const py::tuple& state) { return star_from(state); }));
-  module.def(
-      "learn_star",
-      [](const ClipData& clip, const dytex::StarOptions& options, const py::object& progress) {
-        return call(progress,
-                    [&](const core::Context& context) {
-                      auto found = dytex::learn_star(*clip.open(), options, context);
-                      for (const auto& note : found.notes) context.warn(note);
-                      return found;
-                    })
-            .star;
-      },
-      py::arg("clip"), py::arg("options") = dytex::StarOptions{}, py::arg("progress") = py::none(),
-      doc("dytex::learn_star"));
-}
-
 }  // namespace
 
 void bind_textures(py::module_& module) {
   bind_learning(module);
   bind_distances(module);
-  bind_compression(module);
-  bind_star(module);
+  bind_regions(module);
 }
 
 }  // namespace emberfold::python

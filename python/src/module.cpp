@@ -6,16 +6,13 @@ PYBIND11_MODULE(_native, module) {
   module.attr("__version__") = EMBERFOLD_VERSION;
   emberfold::python::bind_core(module);
   emberfold::python::bind_clip(module);
-  emberfold::python::bind_rates(module);
   emberfold::python::bind_graph(module);
   emberfold::python::bind_events(module);
   emberfold::python::bind_sketch(module);
-  emberfold::python::bind_drawing(module);
   emberfold::python::bind_mcmc(module);
   emberfold::python::bind_dytex(module);
   emberfold::python::bind_textures(module);
   emberfold::python::bind_quilt(module);
-  emberfold::python::bind_measures(module);
   emberfold::python::bind_model(module);
   emberfold::python::bind_pipeline(module);
   emberfold::python::bind_compare(module);

@@ -97,6 +97,8 @@ def test_runs_are_values(run):
     assert again == run and again.events.equals(run.events) and again.model == run.model
     assert np.array_equal(again.patches(7)["x"], run.patches(7)["x"])
     assert again.motion.to_jsonl() == run.motion.to_jsonl()
+    rates = pickle.loads(pickle.dumps(run.model.rates))
+    assert rates == run.model.rates == copy.deepcopy(rates)
     assert ef.MotionGraph.from_jsonl(run.motion.to_jsonl().decode()) == run.motion
 
 
@@ -114,8 +116,6 @@ def test_sketch_of_a_frame_draws_it_again():
     sketch = ef.sketch.extract(frame, sensitivity=0.5)
     again = ef.sketch.reconstruct(frame, sketch)
     assert again.dtype == np.uint8 and np.corrcoef(again.ravel(), frame.ravel())[0, 1] > 0.8
-    filled = ef.sketch.fill(frame, np.arange(128)[None] % 2 == np.zeros((96, 1)))
-    assert np.array_equal(filled[:, ::2], frame[:, ::2])
 
 
 def test_pictures(run):

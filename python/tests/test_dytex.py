@@ -132,14 +132,11 @@ def test_distances_of_textures():
     a, b = ef.dytex.learn(ripples(), components=4), ef.dytex.learn(ripples(seed=1), components=4)
     matrices = ef.dytex.distance_matrices([a, b, a])
     assert set(matrices) == {"kl", "martin", "binet-cauchy", "angles", "windows"}
-    assert np.isclose(matrices["martin"][0, 1], ef.dytex.martin_distance(ef.dytex.subspace_angles(a, b)))
-    assert np.isclose(matrices["kl"][0, 1], ef.dytex.kl_rate(a, b)) and matrices["kl"][0, 2] == 0
+    assert matrices["kl"][0, 1] > 0 == matrices["kl"][0, 2]
     exact = ef.dytex.learn(ripples(frames=6), components=5)
     assert exact.r == 0
     lacking = ef.dytex.distance_matrices([a, exact, b])["kl"]
     assert lacking[0, 2] == matrices["kl"][0, 1] and np.isnan(lacking[1]).all() and np.isnan(lacking[:, 1]).all()
-    growth = ef.dytex.kl_growth(a, b, 50)
-    assert np.isclose(growth[-1] - growth[-2], ef.dytex.kl_rate(a, b), rtol=0.05)
 
 
 def test_windows_know_a_texture_elsewhere():
@@ -154,33 +151,13 @@ def test_windows_know_a_texture_elsewhere():
         ef.dytex.window_distance(here, here[:3])
 
 
-def test_textures_are_compressed():
-    texture = ef.dytex.learn(ripples(), components=5)
-    sizes = [ef.dytex.stored_bytes(texture, precision=kind) for kind in ("f32", "f16", "u8")]
-    assert sizes[0] > sizes[1] > sizes[2]
-    assert ef.dytex.rounded(texture, "f32") == texture != ef.dytex.rounded(texture, "u8")
-    assert (np.diff(ef.dytex.projection_errors(texture)) <= 0).all()
-    with pytest.raises(ValueError, match="precision is 'f64'"):
-        ef.dytex.rounded(texture, "f64")
-
-
 def test_a_region_moves_alone():
     clip = ripples()
     mask = np.zeros(clip.shape[1:], bool)
     mask[4:12, 6:20] = True
     texture = ef.dytex.learn_region(clip, mask, components=4)
-    assert np.array_equal(ef.dytex.moving_region(texture) > 0, mask)
     new = texture.synthesize(10)
     assert (new[:, ~mask] == new[0, ~mask]).all() and (new[:, mask] != new[0, mask]).any()
-
-
-def test_star_is_a_peer():
-    clip = ripples(frames=40)
-    star = ef.dytex.learn_star(clip, reach=1, lags=1)
-    assert len(star.terms) == len(star.coefficients) == 4 + 9
-    new = star.synthesize(8, seed=2)
-    assert new.shape == (8, *clip.shape[1:])
-    assert np.array_equal(pickle.loads(pickle.dumps(star)).synthesize(8, seed=2), new)
 
 
 def test_quilts_can_be_guided_and_measured():
