@@ -78,10 +78,7 @@ void LearnOptions::validate() const {
   else
     core::check_at_least("LearnOptions.noise_rank", noise_rank, 0);
   if (lags > 1 && method != Method::closed_form)
-    throw core::InputError("LearnOptions.lags is " + std::to_string(lags) +
-                           "; allowed with n4sid and pem is 1");
-  if (lags > 1 && stable == Stable::soc)
-    throw core::InputError("LearnOptions.lags is " + std::to_string(lags) + "; allowed with soc is 1");
+    throw core::InputError("LearnOptions.lags is " + std::to_string(lags) + "; allowed with n4sid is 1");
   core::check_at_least("LearnOptions.memory", static_cast<double>(memory), detail::kLeastMemory);
 }
 
@@ -100,7 +97,7 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
     spectra.push_back(detail::spectrum(gram, to_levels, m / static_cast<Eigen::Index>(seen.grams.size())));
   core::ClipInfo info = source.info();
   info.frames = frames;
-  detail::FittedSpectra fitted = detail::fit_spectra(spectra, seen.grams, info, options, context);
+  detail::FittedSpectra fitted = detail::fit_spectra(spectra, seen.grams, info, options);
   LearnResult& result = fitted.result;
   context.check();
   make_C(frame_blocks, seen, fitted.weights, fitted.single, result.texture, context);

@@ -27,22 +27,9 @@ enum class Channels {
 };
 /// The method that fits A.
 enum class Method {
-  closed_form,      ///< least squares (or `stable`)
-  n4sid,            ///< stochastic subspaces (Van Overschee, De Moor 1993) of the states as measured
-  prediction_error  ///< most likely innovations form x(t+1) = A x(t) + K e(t), from the closed form on
+  closed_form,  ///< least squares
+  n4sid         ///< stochastic subspaces (Van Overschee, De Moor 1993) of the states as measured
 };
-/// The fit that replaces a least-squares A that is not stable.
-enum class Stable {
-  yule_walker,  ///< the data's variance is kept exactly
-  soc           ///< the least error among stable ones (Mamakoukas, Xherija, Murphey 2020)
-};
-/// Distribution that v is drawn from.
-enum class Noise {
-  normal,
-  resampled,   ///< the fit's residuals, moment by moment, all inputs together
-  independent  ///< each of its independent components (ICA) by its own quantiles, where it is not normal
-};
-
 struct LearnOptions {
   int components = 50;  ///< n, at most τ − 1
   std::optional<double>
@@ -50,9 +37,7 @@ struct LearnOptions {
   Order order = Order::given;
   Channels channels = Channels::joint;
   int lags = 1;  ///< 1 … 16: x(t+1) = A₁ x(t) + … + A_lags x(t + 1 − lags); above 1 needs n · lags < τ − 1
-  Method method = Method::closed_form;  ///< others than the closed form need lags 1
-  Stable stable = Stable::yule_walker;  ///< soc needs lags 1
-  Noise noise = Noise::normal;
+  Method method = Method::closed_form;  ///< n4sid needs lags 1
   /// n_v, 0 … n: numbers of v. B keeps this number of strongest directions of the fit's residuals; 0: all.
   int noise_rank = 0;
   /// bytes, ≥ 1 MiB: for frames held at a time; more passes where they do not fit. At least 256 pixels of
@@ -72,7 +57,7 @@ struct LearnOptions {
 };
 
 /// The fit that the transition matrix came from.
-enum class Transition { least_squares, yule_walker, soc, n4sid, prediction_error };
+enum class Transition { least_squares, yule_walker, n4sid };
 
 struct LearnResult {
   LinearDynamicTexture texture;
@@ -99,8 +84,8 @@ struct LearnResult {
 /// model would vary 1.5 times more or less than the clip. Frames of fewer independent directions than n give
 /// fewer components, and a note.
 ///
-/// The innovations forms (n4sid, prediction_error) take X as measured with noise: the state of the model is
-/// (x(t), its forecast from the frames before), N = 2n.
+/// The innovations form of n4sid takes X as measured with noise: the state of the model is (x(t), its
+/// forecast from the frames before), N = 2n.
 ///
 /// The source is read from its beginning: once if all frames fit in `memory`, else once for every block of
 /// pixels that does, and once more. The same bytes at any thread count and any budget of memory. Throws

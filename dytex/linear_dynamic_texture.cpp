@@ -60,19 +60,9 @@ void check_channels(const LinearDynamicTexture& texture) {
          "; allowed is 0 to " + std::to_string(texture.info.channels - 1));
 }
 
-void check_marginals(const LinearDynamicTexture& texture) {
+void check_noise_share(const LinearDynamicTexture& texture) {
   if (!(texture.noise_share > 0 && texture.noise_share <= 1))
     fail("noise_share is " + std::to_string(texture.noise_share) + ", must be above 0 and at most 1");
-  const Eigen::MatrixXd& marginals = texture.marginals;
-  if (marginals.size() == 0) return;
-  if (marginals.rows() > texture.B.cols() || marginals.cols() < 2)
-    fail("marginals is " + shape_text(marginals.rows(), marginals.cols()) + ", must have at most " +
-         std::to_string(texture.B.cols()) + " rows and at least 2 columns");
-  check("marginals", marginals, marginals.rows(), marginals.cols());
-  if (texture.residuals.size() > 0) fail("marginals are there beside residuals; allowed is one of them");
-  const Eigen::Index gaps = marginals.cols() - 1;
-  if (!(marginals.leftCols(gaps).array() <= marginals.rightCols(gaps).array()).all())
-    fail("marginals has a row that falls");
 }
 
 }  // namespace
@@ -99,8 +89,7 @@ void validate(const LinearDynamicTexture& texture) {
   check("states", texture.states, order, frames);
   if (texture.noise.size() > 0) check("noise", texture.noise, m, 1);
   if (!(texture.noise.array() >= 0).all()) fail("noise has a negative value");
-  if (texture.residuals.size() > 0) check("residuals", texture.residuals, inputs, texture.residuals.cols());
-  check_marginals(texture);
+  check_noise_share(texture);
   check_channels(texture);
   check("singular", texture.singular, frames * (texture.channels.size() > 0 ? texture.info.channels : 1), 1);
   if (!(texture.r >= 0) || !std::isfinite(texture.r))

@@ -8,7 +8,7 @@
 namespace emberfold::dytex {
 
 /// A linear dynamic texture (Doretto, Chiuso, Wu, Soatto 2003, eq. 3; Soatto, Doretto, Wu 2001, eq. 3):
-///   x(t+1) = A x(t) + B v(t),   v ~ N(0, I), or of `residuals` or `marginals`
+///   x(t+1) = A x(t) + B v(t),   v ~ N(0, I)
 ///   y(t)   = mean + C diag(weights) x(t)₁…ₙ + w(t),   w ~ N(0, r I), or N(0, diag(noise))
 /// y(t) is a frame as a column of m = width · height · channels values in the order of its memory (row by
 /// row, channels together), on the scale where white is 255. The state x has N ≥ n numbers; a frame shows the
@@ -25,11 +25,7 @@ struct LinearDynamicTexture {
   Eigen::MatrixXd A;        ///< N × N, spectral radius below 1
   Eigen::MatrixXd B;        ///< N × k, k ≤ N; Q = B Bᵀ
   double r = 0;  ///< residual variance after n components, levels², ≥ 0; the mean of `noise`, if any
-  Eigen::VectorXf noise;      ///< m, that variance value by value, ≥ 0; empty where it is r everywhere
-  Eigen::MatrixXd residuals;  ///< k × any number: what v is drawn from, mean 0, covariance I; empty: N(0, I)
-  /// j × p, j ≤ k, p ≥ 2: instead, the first j numbers of v are independent, each of the law whose quantiles
-  /// at 0, 1/(p − 1) … 1 are its row, linear between them, mean 0 and variance 1; the others are N(0, 1).
-  Eigen::MatrixXd marginals;
+  Eigen::VectorXf noise;     ///< m, that variance value by value, ≥ 0; empty where it is r everywhere
   double noise_share = 1;    ///< of the variance of what drove the clip, which B's k inputs keep, (0, 1]
   Eigen::MatrixXd states;    ///< N × τ, the training frames' states
   Eigen::VectorXd singular;  ///< all τ of the centred frames, falling; per channel: of all channels

@@ -62,22 +62,6 @@ Eigen::VectorXf column_weights(const LinearDynamicTexture& texture,
   return texture.weights.cwiseProduct(state.head(texture.components())).cast<float>();
 }
 
-/// v(t) of frame t.
-Eigen::VectorXd driving_noise(const LinearDynamicTexture& texture, core::Rng rng) {
-  if (texture.residuals.size() > 0)
-    return texture.residuals.col(rng.below(static_cast<std::uint32_t>(texture.residuals.cols())));
-  const Eigen::Index told = texture.marginals.rows(), inputs = texture.B.cols();
-  Eigen::VectorXd v(inputs);
-  for (Eigen::Index i = 0; i < told; ++i) {
-    const double at = rng.uniform() * static_cast<double>(texture.marginals.cols() - 1);
-    const auto below = static_cast<Eigen::Index>(at);
-    const double low = texture.marginals(i, below), high = texture.marginals(i, below + 1);
-    v[i] = low + (at - static_cast<double>(below)) * (high - low);
-  }
-  for (Eigen::Index i = told; i < inputs; ++i) v[i] = rng.normal();
-  return v;
-}
-
 /// A row vector of the frame's values.
 cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) {
   const core::ClipInfo& info = texture.info;
@@ -90,12 +74,16 @@ cv::Mat flat_levels(const LinearDynamicTexture& texture, const cv::Mat& levels) 
   return levels.isContinuous() ? levels : levels.clone();
 }
 
+/// v(t) that leads to this frame.
+Eigen::VectorXd driving_noise(const LinearDynamicTexture& texture, std::uint64_t seed, std::uint64_t frame) {
+  return normals(core::Rng(seed, stream(frame, 0, kDriving)), texture.B.cols());
+}
+
 /// v of all frames of a loop, a column each: v(t) leads to frame t + 1.
 Eigen::MatrixXd driving_circle(const LinearDynamicTexture& texture, const SynthesisOptions& options) {
   Eigen::MatrixXd noise(texture.B.cols(), options.loop);
   for (Eigen::Index t = 0; t < noise.cols(); ++t)
-    noise.col(t) = driving_noise(
-        texture, core::Rng(options.seed, stream(static_cast<std::uint64_t>(t) + 1, 0, kDriving)));
+    noise.col(t) = driving_noise(texture, options.seed, static_cast<std::uint64_t>(t) + 1);
   return noise;
 }
 
@@ -155,8 +143,7 @@ void Synthesis::step() {
     frame_ %= static_cast<std::uint64_t>(options_.loop);
     state_ = circle_.col(static_cast<Eigen::Index>(frame_));
   } else {
-    const core::Rng rng(options_.seed, stream(frame_, 0, kDriving));
-    state_ = texture_.A * state_ + texture_.B * driving_noise(texture_, rng);
+    state_ = texture_.A * state_ + texture_.B * driving_noise(texture_, options_.seed, frame_);
   }
 }
 

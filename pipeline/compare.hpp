@@ -39,13 +39,12 @@ struct CompareOptions {
   double learn_share = 0.5;
   int steps = 8;
   int frames = 0;
-  bool curve = false;
   /// The STAR model too, and strokes of the drawn clips, which takes twice as long.
   bool in_full = true;
 
   /// Returns the fields' descriptions for checks, help and docstrings.
   static auto fields() {
-    using core::above, core::between, core::kOnOff;
+    using core::above, core::between;
     return std::to_array<core::OptionField<CompareOptions>>({
         {"learn_share", &CompareOptions::learn_share, "SHARE", above(0, 1),
          "Learn from this first part of the clip; predict the rest"},
@@ -53,8 +52,6 @@ struct CompareOptions {
         {"frames", &CompareOptions::frames, "N",
          between(kFewestFrames, kMostSynthesized, "the number that the source has"),
          "Draw this many frames from each model"},
-        {"curve", &CompareOptions::curve, "", kOnOff,
-         "Measure quality against the number of parameters, of models of many sizes"},
     });
   }
   /// Throws InputError naming the field, its value and what is allowed.
@@ -139,7 +136,6 @@ struct ModelComparison {
   ClipDistances noise_floor;                     ///< of the source's first half from its second
   std::vector<ModelResult> models;               ///< those that could be learned
   std::optional<PredictionMeasures> prediction;  ///< none where no frames remain to be predicted
-  std::optional<SizeCurve> size_curve;           ///< with CompareOptions::curve
 };
 
 /// Learns models of a clip from its first part and compares them with the clip.

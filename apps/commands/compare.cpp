@@ -41,7 +41,7 @@ void run_compare(const Compare& asked, Session& session) {
   require_apart({asked.reading.clip, asked.other, asked.reading.options.mask}, asked.output,
                 {"side_by_side.mp4", "synthesized_motion.avi", "synthesized_dytex.avi",
                  "synthesized_footage.avi", "synthesized_star.avi", "video_loop.avi", "contact_sheet.png",
-                 "measures.json", "drift.csv", "report.html", "summary.json"},
+                 "measures.json", "report.html", "summary.json"},
                 session.common);
   io::OutputFolder output(asked.output, session.common.existing());
   output.protect({asked.reading.clip, asked.other, asked.reading.options.mask});
@@ -58,7 +58,6 @@ void run_compare(const Compare& asked, Session& session) {
     comparison =
         compare_clips(*source, asked.reading.clip, *other, asked.other, asked.options, output, session);
   }
-  write_drift(output, *source);
   stages.end();
   Json summary = begin_summary("compare", session);
   summary["options"] = options_of(asked, read);
@@ -82,7 +81,6 @@ void add_compare(CLI::App& app, CommandLine& line) {
       add_command(app, "compare", "Compare a clip with models learned from it, or with another clip", R"(
   emberfold compare flag.avi -o out/compare
   emberfold compare flame.mp4 -o out/compare --range 0:60 --scale 0.5
-  emberfold compare river.mp4 -o out/compare --scale 0.5 --frames 1000 --set compare.curve=true
   emberfold compare flag.avi flag_synthesized.avi -o out/compare --json)");
   const auto asked = std::make_shared<Compare>();
   add_reading(*command, asked->reading);

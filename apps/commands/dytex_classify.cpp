@@ -25,7 +25,6 @@ struct Classify {
   ReadingWords reading;
   SampleOptions options;
   int folds = 0;
-  dytex::BinetCauchyOptions kernel;
 };
 
 // "3x2": columns and rows.
@@ -45,11 +44,10 @@ void check(Classify& asked, const Session& session) {
   asked.options.reading = check_reading(asked.reading, asked.options.reading, session);
   try {
     asked.options.validate();
-    asked.kernel.validate();
   } catch (const core::InputError& error) {
     const std::string message = without_struct_name(error.what());
     if (message.starts_with("columns") || message.starts_with("rows")) throw Misuse("--blocks: " + message);
-    misuse(message, {"pieces", "components", "scale", "discount"}, "");
+    misuse(message, {"pieces", "components", "scale"}, "");
   }
   if (asked.folds < 0 || asked.folds == 1)
     throw Misuse("--folds is " + std::to_string(asked.folds) +
@@ -207,8 +205,7 @@ void run_classify(Classify asked, Session& session) {
   found.samples = learn_samples(found.labelled, asked.options, session, warn);
   label(found);
   stages.begin("distances");
-  const auto pairs =
-      dytex::all_distances(found.samples.textures, asked.kernel, session.context, found.samples.windows);
+  const auto pairs = dytex::all_distances(found.samples.textures, session.context, found.samples.windows);
   session.check_stop();
   stages.begin("classify");
   found.results = cross_validate(found.labels, pairs);
@@ -223,7 +220,6 @@ void run_classify(Classify asked, Session& session) {
                         {"pieces", asked.options.pieces},
                         {"components", asked.options.components},
                         {"folds", asked.folds},
-                        {"discount", asked.kernel.discount},
                         {"reading", reading_json(asked.options.reading)}};
   for (const auto& [key, value] : content.items())
     if (key != "format" && key != "version") summary[key] = value;
@@ -253,8 +249,6 @@ void add_dytex_classify(CLI::App& dytex, CommandLine& line) {
              "Cut clips into this many pieces of equal length");
   add_number(*command, "-n,--components", asked->options.components, "N", "Learn this many components");
   add_number(*command, "--folds", asked->folds, "N", "Use this many folds; 0: leave out each clip in turn");
-  add_number(*command, "--discount", asked->kernel.discount, "RATE",
-             "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
   add_reading_options(*command, asked->reading, asked->options.reading);
   finish_command(*command, line, asked, run_classify);
 }

@@ -23,7 +23,6 @@ struct Distance {
   std::string output, measure = "kl";
   int growth = 0;
   bool asked_growth = false, asked_measure = false;
-  dytex::BinetCauchyOptions kernel;
 };
 
 Measure check(const Distance& asked) {
@@ -36,11 +35,6 @@ Measure check(const Distance& asked) {
   if (asked.asked_growth && asked.output.empty())
     throw Misuse("--growth writes growth.json and growth.png: name a folder for them with --output");
   if (asked.models.size() < 2) throw Misuse("one model has no distance; name two models or more");
-  try {
-    asked.kernel.validate();
-  } catch (const core::InputError& error) {
-    throw Misuse(with_option_name(without_struct_name(error.what()), "discount"));
-  }
   return *measure;
 }
 
@@ -113,7 +107,7 @@ void run_distance(const Distance& asked, Session& session) {
   const auto models = read_models(asked.models);
   warn_missing(asked, models, session);
   stages.begin("distances");
-  const auto pairs = dytex::all_distances(models, asked.kernel, session.context);
+  const auto pairs = dytex::all_distances(models, session.context);
   session.check_stop();
   const cv::Mat values = measure_matrix(pairs, measure);
   Json found = distances_json(asked.models, pairs);
@@ -134,7 +128,6 @@ void run_distance(const Distance& asked, Session& session) {
   stages.end();
   if (session.common.json) {
     Json summary = begin_summary("dytex distance", session);
-    summary["options"] = {{"discount", asked.kernel.discount}, {"first_frame", asked.kernel.first_frame}};
     for (const auto& [key, value] : found.items())
       if (key != "format" && key != "version") summary[key] = value;
     summary["warnings"] = session.warnings;
@@ -164,15 +157,11 @@ void add_dytex_distance(CLI::App& dytex, CommandLine& line) {
       ->type_name("DIR");
   auto* measure =
       command->add_option("--measure", asked->measure, "Show this distance in table, CSV and picture")
-          ->type_name("kl|martin|binet-cauchy|angles|windows")
+          ->type_name("kl|martin|angles|windows")
           ->default_str(asked->measure);
   auto* growth = add_number(*command, "--growth", asked->growth, "FRAMES",
                             "Write growth.json, growth.png: KL divergence by frames")
                      ->default_str("");
-  add_number(*command, "--discount", asked->kernel.discount, "RATE",
-             "Weigh frame t by exp(-RATE t) in the Binet-Cauchy kernel");
-  command->add_flag("--first-frame", asked->kernel.first_frame,
-                    "Begin the Binet-Cauchy kernel at the first training frame");
   finish_command(*command, line, asked, run_distance, [asked, measure, growth] {
     asked->asked_measure = measure->count() > 0;
     asked->asked_growth = growth->count() > 0;

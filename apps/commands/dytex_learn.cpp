@@ -41,7 +41,7 @@ struct TextureLearning {
   double energy = 0.95;
   EmRequest em;
   int block = 0;  ///< frames decomposed at a time; 0: all, or a size that suits a long clip
-  std::string order, channels = "joint", method = "closed-form", stable = "yule-walker", noise = "normal";
+  std::string order, channels = "joint", method = "closed-form";
 };
 
 // The words of an option and their values.
@@ -54,13 +54,7 @@ const Words<dytex::Order> kOrders{{"auto", dytex::Order::held_out},
 const Words<dytex::Channels> kChannels{{"joint", dytex::Channels::joint},
                                        {"separate", dytex::Channels::separate}};
 const Words<dytex::Method> kMethods{{"closed-form", dytex::Method::closed_form},
-                                    {"n4sid", dytex::Method::n4sid},
-                                    {"pem", dytex::Method::prediction_error}};
-const Words<dytex::Stable> kStable{{"yule-walker", dytex::Stable::yule_walker}, {"soc", dytex::Stable::soc}};
-const Words<dytex::Noise> kNoise{{"normal", dytex::Noise::normal},
-                                 {"resampled", dytex::Noise::resampled},
-                                 {"independent", dytex::Noise::independent}};
-
+                                    {"n4sid", dytex::Method::n4sid}};
 template <class Value>
 Value value_of(const Words<Value>& words, const std::string& word) {
   return std::ranges::find(words, word, &Words<Value>::value_type::first)->second;
@@ -84,8 +78,7 @@ void fit_to_length(TextureLearning& asked, const core::ClipInfo& info, const Ses
 }
 
 const char* transition_name(dytex::Transition transition) {
-  constexpr std::array<const char*, 5> kNames{"least_squares", "yule_walker", "soc", "n4sid",
-                                              "prediction_error"};
+  constexpr std::array<const char*, 3> kNames{"least_squares", "yule_walker", "n4sid"};
   return kNames[static_cast<std::size_t>(transition)];
 }
 
@@ -100,8 +93,6 @@ Json learn_summary(const TextureLearning& asked, const io::ReadOptions& read, co
                   {"channels", asked.channels},
                   {"lags", asked.options.lags},
                   {"method", asked.method},
-                  {"stable", asked.stable},
-                  {"noise", asked.noise},
                   {"noise_rank", asked.options.noise_rank},
                   {"block", asked.block}});
   options["mask"] = asked.mask.empty() ? Json(nullptr) : Json(asked.mask);
@@ -173,8 +164,6 @@ void take_words(TextureLearning& asked) {
   if (asked.asked_order) options.order = value_of(kOrders, asked.order);
   options.channels = value_of(kChannels, asked.channels);
   options.method = value_of(kMethods, asked.method);
-  options.stable = value_of(kStable, asked.stable);
-  options.noise = value_of(kNoise, asked.noise);
   if (asked.block < 0)
     throw Misuse("learn.block is " + std::to_string(asked.block) + "; allowed is at least 0");
 }
@@ -241,23 +230,12 @@ CLI::Option* add_words(CLI::App& command, const std::string& name, std::string& 
       ->default_str(word);
 }
 
-std::vector<std::string> names_of(const auto& words) {
-  std::vector<std::string> names;
-  for (const auto& one : words) names.push_back(one.first);
-  return names;
-}
-
 void add_model_options(CLI::App& command, Settings& settings, TextureLearning& asked) {
   add_words(command, "--channels", asked.channels, kChannels,
             "Learn components of all channels (joint) or of each (separate)");
   add_number(command, "--lags", asked.options.lags, "N", "Predict a frame from the last N");
   add_words(command, "--method", asked.method, kMethods,
-            "Fit the motion by closed-form, or for noisy states n4sid or pem");
-  settings.add_word("learn", "stable", asked.stable, names_of(kStable), "",
-                    "Replace an unstable least-squares fit: keep the variance, or the error small");
-  settings.add_word(
-      "learn", "noise", asked.noise, names_of(kNoise), "",
-      "Drive the model by normal noise, residuals of the fit, or independent noises as they were");
+            "Fit the motion by closed-form, or for noisy states n4sid");
   settings.add("learn", "noise_rank", &asked.options.noise_rank, "N",
                "Drive the model by so many noises, the strongest; 0: all", "0 to the number of components");
   settings.add(

@@ -46,7 +46,6 @@ void add_options(CLI::App& command, Asked& asked) {
       .add_option_function<int>(
           "--frame", [&request](int frame) { request.frame = frame; }, "Render this frame alone, from 0")
       ->type_name("N");
-  command.add_flag("--resume", request.resume, "Continue an interrupted run");
 }
 
 void add_quilt_settings(Settings& settings, QuiltRequest& request) {

@@ -104,7 +104,6 @@ Comparison compare_clip(core::FrameSource& source, const std::string& clip,
   if (found.prediction) measures["reconstruction"] = reconstruction_json(*found.prediction);
   measures["synthesis"] = synthesis_json(found);
   measures["curves"] = curves_json(curves, found.scale);
-  if (found.size_curve) measures["size_curve"] = size_curve_json(*found.size_curve);
   finish_measures(measures, output, session);
   comparison.pictures = films.take_pictures();
   write_png(output, "contact_sheet.png", comparison.sheet = films.contact_sheet());

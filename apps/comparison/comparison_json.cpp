@@ -103,18 +103,6 @@ Json quality_json(const std::optional<pipeline::FrameQuality>& quality) {
   return {{"psnr", rounded_json(quality->psnr)}, {"ssim", rounded_json(quality->ssim)}};
 }
 
-Json point_json(const pipeline::SizeCurvePoint& point) {
-  const Json quality = quality_json(point.next_frame);
-  Json out = {{"model", point.model},
-              {"label", point.label},
-              {"what", point.size_text},
-              {"parameters", point.parameters},
-              {"psnr", quality.is_null() ? quality : quality["psnr"]},
-              {"ssim", quality.is_null() ? quality : quality["ssim"]}};
-  out.update(pixel_distances_json(point.distances));
-  return out;
-}
-
 }  // namespace
 
 Json rounded_or_null(const std::optional<double>& value) {
@@ -183,18 +171,6 @@ Json reconstruction_json(const pipeline::PredictionMeasures& prediction) {
   for (const auto& method : prediction.methods)
     if (method.reconstruction) out[method.key] = quality_json(method.reconstruction);
   return out;
-}
-
-Json size_curve_json(const pipeline::SizeCurve& curve) {
-  Json points = Json::array(), equal = nullptr;
-  for (const auto& point : curve.points) points.push_back(point_json(point));
-  if (curve.motion_model) {
-    const Json& motion = points[*curve.motion_model];
-    equal = {{"parameters", motion["parameters"]},
-             {"motion_model", motion},
-             {"linear_dynamic_texture", curve.equal_texture ? points[*curve.equal_texture] : Json(nullptr)}};
-  }
-  return {{"points", std::move(points)}, {"equal", std::move(equal)}};
 }
 
 void write_measures(const Json& measures, io::OutputFolder& output) {

@@ -41,9 +41,6 @@ nlohmann::ordered_json prediction_json(const pipeline::PredictionMeasures& predi
 /// Lists the quality of each model's reconstruction of a given frame.
 nlohmann::ordered_json reconstruction_json(const pipeline::PredictionMeasures& prediction);
 
-/// Lists quality against size: {"points", "equal"}.
-nlohmann::ordered_json size_curve_json(const pipeline::SizeCurve& curve);
-
 void write_measures(const nlohmann::ordered_json& measures, io::OutputFolder& output);
 
 /// Returns all measures in the order of tables and reports: pixels, then strokes.

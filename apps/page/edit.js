@@ -15,13 +15,11 @@ const weightsOf = (text) => new Map(text === "" ? [] : text.split(",").map((one)
 const weightsText = (weights) => [...weights].filter(([, factor]) => factor !== 1).sort((a, b) => a[0] - b[0])
   .map(([component, factor]) => `${component}:${factor}`).join(",");
 
-/** The model from the page's data: forward and backward, each {A, B, residuals, marginals, groups}. */
+/** The model from the page's data: forward and backward, each {A, B, groups}. */
 function readModel(data, numbers) {
   const direction = (name) => ({
     A: numbers[name + ".A"],
     B: numbers[name + ".B"],
-    residuals: data[name].residuals ? numbers.residuals : null,
-    marginals: data[name].marginals ? numbers.marginals : null,
     groups: data.groups.map((group, g) => ({
       ...group,
       blocks: data[name].blocks[g],
@@ -95,12 +93,9 @@ function widened(B, cols) {
   result.data.set(B.data);
   return result;
 }
-/** Gives the group its motion; what it was drawn from goes where the noise has more inputs than before. */
+/** Gives the group its motion. */
 function storeGroup(result, group, A, B) {
-  if (B.cols > result.B.cols) {
-    result.B = widened(result.B, B.cols);
-    result.residuals = null;
-  }
+  if (B.cols > result.B.cols) result.B = widened(result.B, B.cols);
   const n = result.A.rows, {states} = group, m = states.length;
   states.forEach((j, q) => states.forEach((i, p) => { result.A.data[j * n + i] = A.data[q * m + p]; }));
   for (let k = 0; k < B.cols; ++k) states.forEach((i, p) => { result.B.data[k * n + i] = B.data[k * m + p]; });
@@ -130,14 +125,10 @@ function changedDynamics(group, direction, weights, {speed, flow}) {
   return {A, B: withContrast(group, weights, A, noiseThatKeeps(P, A, B), group.contrast), dropped};
 }
 
-/** {A, B, weights, residuals, marginals, dropped} of the model with the settings. */
+/** {A, B, weights, dropped} of the model with the settings. */
 function edited(model, settings) {
-  const {forward, backward} = model, result = {
-    A: copied(forward.A), B: copied(forward.B), weights: model.weights.slice(),
-    residuals: forward.residuals, marginals: forward.marginals, dropped: 0,
-  };
+  const {forward, backward} = model, result = {A: copied(forward.A), B: copied(forward.B), weights: model.weights.slice(), dropped: 0};
   const strength = Math.sqrt(settings.intensity), direction = settings.reverse ? backward : forward;
-  if (settings.reverse) Object.assign(result, {residuals: backward.residuals, marginals: backward.marginals});
   for (const group of direction.groups) {
     if (settings.channel !== "" && channelLetters[group.channel] !== settings.channel) continue;
     const {A, B, dropped} = changedDynamics(group, direction, model.weights, settings);
@@ -159,31 +150,10 @@ function firstState(edit, seed) {
   return state;
 }
 
-/** Independent numbers by their quantiles, the first ones; the others are normal. */
-function marginalNoise(marginals, count, rng) {
-  const {rows, cols, data} = marginals, noise = new Float64Array(count);
-  for (let i = 0; i < rows; ++i) {
-    const at = rng.uniform() * (cols - 1), below = Math.floor(at);
-    const low = data[below * rows + i], high = data[(below + 1) * rows + i];
-    noise[i] = low + (at - below) * (high - low);
-  }
-  for (let i = rows; i < count; ++i) noise[i] = rng.normal();
-  return noise;
-}
-
-/** What drives a frame from the one before it. */
-function drivingNoise({B, residuals, marginals}, seed, frame) {
-  const rng = frameStream(seed, frame, purposes.driving);
-  if (residuals) {
-    const k = residuals.rows, at = rng.below(residuals.cols);
-    return residuals.data.subarray(at * k, (at + 1) * k);
-  }
-  return marginals ? marginalNoise(marginals, B.cols, rng) : rng.normals(B.cols);
-}
 /** x(t) from x(t - 1); t: its frame. */
 function nextState(edit, state, seed, frame) {
   const next = times(edit.A, state);
-  addProduct(next, edit.B, drivingNoise(edit, seed, frame));
+  addProduct(next, edit.B, frameStream(seed, frame, purposes.driving).normals(edit.B.cols));
   return next;
 }
 

@@ -61,10 +61,8 @@ void check_size(const LinearDynamicTexture& texture) {
   if (texture.order() > kPageOrder)
     throw core::InputError("the model's state has " + count_text(texture.order(), "numbers", kPageOrder) +
                            way_out);
-  const long long numbers = texture.states.size() + texture.residuals.size() + texture.marginals.size();
-  if (numbers > kPageNumbers)
-    throw core::InputError("the model's states and residuals or marginals have " +
-                           count_text(numbers, "numbers", kPageNumbers) +
+  if (const long long numbers = texture.states.size(); numbers > kPageNumbers)
+    throw core::InputError("the model's states have " + count_text(numbers, "numbers", kPageNumbers) +
                            ": learn it from fewer frames, see --range");
 }
 
@@ -121,9 +119,7 @@ Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTe
                         {"alone", dytex::detail::is_alone(block)}});
     list.push_back(std::move(blocks));
   }
-  return {{"blocks", std::move(list)},
-          {"residuals", texture.residuals.size() > 0},
-          {"marginals", texture.marginals.size() > 0}};
+  return {{"blocks", std::move(list)}};
 }
 
 // Adds the model forwards and exactly backwards, the groups that edits act on, the training frames.
@@ -143,8 +139,6 @@ Json put_dynamics(Numbers& numbers, const LinearDynamicTexture& texture) {
   data["backward"] = put_motion(numbers, "backward", back.texture, groups);
   numbers.put("weights", texture.weights);
   numbers.put("states", texture.states.topRows(texture.components()));
-  numbers.put("residuals", texture.residuals);
-  numbers.put("marginals", texture.marginals);
   return data;
 }
 

@@ -7,7 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/quilting/checkpoint.hpp"
 #include "core/error.hpp"
 #include "core/io/files.hpp"
 #include "dytex/quilting/quilt_measures.hpp"
@@ -16,40 +15,16 @@ namespace emberfold::apps {
 
 using Json = nlohmann::ordered_json;
 
-void seek_map(FoundMap& found, const QuiltClips& clips, const QuiltRequest& request,
-              const std::filesystem::path& checkpoint_file, Session& session) {
+void seek_map(FoundMap& found, const QuiltClips& clips, const QuiltRequest& request, const Session& session) {
   cv::Mat guide;
   const auto sources = quilt_sources(clips, request, guide);
-  const auto held = clips.loaded();
-  QuiltCheckpoint checkpoint(checkpoint_file, request, held,
-                             found.surface ? surface_fingerprint(found.surface->layout) : std::string());
-  const auto placed = request.resume ? checkpoint.read() : std::vector<dytex::QuiltChoice>{};
-  if (!placed.empty())
-    session.console.say(std::to_string(placed.size()) +
-                        " blocks were placed before: " + checkpoint.file().string());
-  dytex::QuiltRun run;
-  run.guide = guide;
-  run.placed = placed;
-  std::vector<dytex::QuiltChoice> done = placed;
-  run.keep = [&](std::span<const dytex::QuiltChoice> so_far) {
-    done.assign(so_far.begin(), so_far.end());
-    checkpoint.write(so_far);
-  };
-  try {
-    if (found.surface) {
-      auto& quilt = found.surface->quilt;
-      quilt = dytex::quilt_surface(found.surface->layout, sources, request.quilt, session.context, run);
-      found.map = quilt.map;
-      checkpoint.write(quilt.choices, true);
-    } else {
-      found.result = dytex::quilt(sources, request.quilt, session.context, run);
-      found.map = found.result->map;
-      checkpoint.write(found.result->choices, true);
-    }
-  } catch (const core::Cancelled&) {
-    checkpoint.write(done, true);
-    throw core::Cancelled(std::to_string(done.size()) + " blocks are kept in " + checkpoint.file().string() +
-                          "; --resume goes on");
+  if (found.surface) {
+    auto& quilt = found.surface->quilt;
+    quilt = dytex::quilt_surface(found.surface->layout, sources, request.quilt, session.context);
+    found.map = quilt.map;
+  } else {
+    found.result = dytex::quilt(sources, request.quilt, session.context, guide);
+    found.map = found.result->map;
   }
 }
 

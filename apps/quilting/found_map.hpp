@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,10 +19,8 @@ struct FoundMap {
   std::optional<SurfaceFound> surface;       ///< of a search for a surface
 };
 
-/// Searches for the map of a plane, or of found.surface. Placed blocks are stored in `checkpoint`. Throws
-/// core::Cancelled.
-void seek_map(FoundMap& found, const QuiltClips& clips, const QuiltRequest& request,
-              const std::filesystem::path& checkpoint, Session& session);
+/// Searches for the map of a plane, or of found.surface. Throws core::Cancelled.
+void seek_map(FoundMap& found, const QuiltClips& clips, const QuiltRequest& request, const Session& session);
 
 /// Reads a map whose places are in clips of these sizes. Throws core::IoError or core::InputError with its
 /// name.

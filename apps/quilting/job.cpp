@@ -127,7 +127,7 @@ std::vector<std::string> input_names(const QuiltRequest& request) {
 }
 
 std::vector<io::OutputPath> output_paths(const QuiltRequest& request, const QuiltTarget& target) {
-  std::vector<io::OutputPath> paths{{target.checkpoint}};
+  std::vector<io::OutputPath> paths;
   const bool own_map = !keeps_map(request, target);
   if (!target.whole) {
     paths.push_back({request.output});
@@ -155,8 +155,7 @@ void require_replaceable(const QuiltRequest& request, const QuiltTarget& target,
                          const std::vector<io::OutputPath>& outputs) {
   std::vector<std::string> names;
   for (const auto& output : outputs) {
-    if (output.is_folder || output.path.parent_path() != target.folder || output.path == target.checkpoint)
-      continue;
+    if (output.is_folder || output.path.parent_path() != target.folder) continue;
     if (output.path.filename() == "map.npy" && same_bytes(output.path, request.apply)) continue;
     names.push_back(output.path.filename().string());
   }
@@ -188,7 +187,7 @@ void run_quilt(QuiltRequest& request, Session& session) {
   name_clip(target, request, clips.info(), plan.count);
   if (request.apply.empty()) {
     stages.begin("quilt");
-    seek_map(found, clips, request, target.checkpoint, session);
+    seek_map(found, clips, request, session);
   }
   stages.begin("render");
   write_quilt_map(output, request, target, found.map, control);
@@ -203,8 +202,6 @@ void run_quilt(QuiltRequest& request, Session& session) {
   if (target.whole) write_summary(output, summary);
   session.check_stop();
   output.commit();
-  std::error_code ignored;
-  if (request.apply.empty()) fs::remove(target.checkpoint, ignored);
   session.console.say(std::to_string(written.frames) + (written.frames == 1 ? " frame" : " frames") + " of " +
                       core::size_text(size) + " quilted into " + target.path().string());
   if (session.common.json) session.print(json_text(summary));

@@ -21,8 +21,6 @@ QuiltTarget quilt_target(const QuiltRequest& request) {
   target.folder = target.whole ? output : output.parent_path();
   if (target.folder.empty()) target.folder = ".";
   if (!target.whole) target.clip = output.filename().string();
-  target.checkpoint =
-      target.whole ? target.folder / "quilt.part.json" : fs::path(output.string() + ".part.json");
   if (!target.whole && !fs::is_directory(target.folder))
     throw core::IoError("cannot write " + request.output + ": there is no folder " + target.folder.string());
   return target;

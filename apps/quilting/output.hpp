@@ -20,7 +20,6 @@ struct QuiltTarget {
   std::filesystem::path folder;
   std::string clip;     ///< its name in the folder
   bool single = false;  ///< a single PNG
-  std::filesystem::path checkpoint;
 
   [[nodiscard]] std::filesystem::path path() const { return folder / clip; }
 };

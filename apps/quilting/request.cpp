@@ -94,10 +94,8 @@ void check_request(const QuiltRequest& request) {
   if (request.memory < 0 || request.memory > 1'000'000)
     refuse("quilt.memory", std::to_string(request.memory), "0 to 1000000 MB");
   check_surface_request(request);
-  if (!request.apply.empty() &&
-      (request.own_size || request.resume || !request.guide.empty() || !request.masks.empty()))
-    throw Misuse(
-        "--apply takes the map as it is: --size, --resume, --guide and --mask have nothing to do there");
+  if (!request.apply.empty() && (request.own_size || !request.guide.empty() || !request.masks.empty()))
+    throw Misuse("--apply takes the map as it is: --size, --guide and --mask have nothing to do there");
   const std::string extension = std::filesystem::path(request.output).extension().string();
   if (!extension.empty() && extension != ".mp4" && extension != ".avi" && extension != ".png")
     throw Misuse("-o is " + request.output +

@@ -33,8 +33,7 @@ struct QuiltRequest {
   ControlRequest control;
   std::optional<std::int64_t> frames;  ///< of the output; default: that of the source
   std::optional<std::int64_t> frame;   ///< only this frame
-  bool resume = false;
-  int memory = 1024;  ///< MB, above which clips are kept in a file
+  int memory = 1024;                   ///< MB, above which clips are kept in a file
 };
 
 /// Parses "1024x768", or "512" for a square. Throws Misuse naming `option` for other texts.

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/quilting/fingerprint.hpp"
 #include "core/io/files.hpp"
 #include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
@@ -37,20 +36,6 @@ SurfaceFound read_surface(const QuiltRequest& request, Session& session) {
   if (request.control.jitter > 0)
     session.warn("control.jitter is smooth in the texture: where its charts meet on the surface, time jumps");
   return found;
-}
-
-std::string surface_fingerprint(const dytex::SurfaceLayout& layout) {
-  Fingerprint print;
-  const auto add = [&](std::uint64_t value) { print.add(value); };
-  const auto add_length = [&](double length) {
-    add(static_cast<std::uint64_t>(std::llround(length * 65536)));
-  };
-  for (const std::int32_t triangle : layout.triangles) add(static_cast<std::uint64_t>(triangle) + 1);
-  for (const auto& frame : layout.frames)
-    add_length(frame.across), add_length(frame.shear), add_length(frame.down);
-  for (const auto& [a, b] : layout.glued)
-    add(static_cast<std::uint64_t>(a.triangle)), add(static_cast<std::uint64_t>(b.triangle));
-  return std::to_string(print.sum);
 }
 
 dytex::QuiltMap block_map(const SurfaceFound& found) {

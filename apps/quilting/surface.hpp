@@ -22,9 +22,6 @@ struct SurfaceFound {
 /// several places. Throws core::IoError or core::InputError with its name.
 SurfaceFound read_surface(const QuiltRequest& request, Session& session);
 
-/// Returns a hash that differs between layouts.
-std::string surface_fingerprint(const dytex::SurfaceLayout& layout);
-
 /// Returns a map in which only texels of different blocks are discontinuous.
 dytex::QuiltMap block_map(const SurfaceFound& found);
 

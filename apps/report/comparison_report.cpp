@@ -289,54 +289,6 @@ std::string prediction_plot(const Json& measures) {
   return figure(draw_curves(look), look.title, 120'000, 900);
 }
 
-// Plots quality against size; for the linear dynamic texture one curve per frame size.
-std::string size_plot(const Json& points, const char* key, const std::string& title,
-                      const std::string& y_label) {
-  CurvePlot look{title, "parameters", y_label, {}, true, false};
-  std::vector<std::string> names;
-  for (const auto& point : points) {
-    if (!point[key].is_number()) continue;
-    const auto what = point["what"].get<std::string>();
-    const auto comma = what.find(", ");
-    const auto name =
-        point["label"].get<std::string>() + (comma == std::string::npos ? "" : what.substr(comma));
-    auto at_name = std::ranges::find(names, name);
-    if (at_name == names.end()) {
-      names.push_back(name);
-      look.curves.push_back({name, {}, {}, true});
-      at_name = std::prev(names.end());
-    }
-    auto& curve = look.curves[static_cast<std::size_t>(at_name - names.begin())];
-    curve.x.push_back(point["parameters"].get<double>());
-    curve.y.push_back(point[key].get<double>());
-  }
-  if (look.curves.empty()) return {};
-  return figure(draw_curves(look), title, 120'000, 900);
-}
-
-std::string size_section(const Json& measures) {
-  const auto& curve = measures["size_curve"];
-  std::string about = "Every kind of model in several sizes, learned from the same frames.";
-  const auto& equal = curve["equal"];
-  if (equal.is_object()) {
-    about += " With the motion model's " + text_of(equal["parameters"], 0) + " parameters ";
-    about += equal["linear_dynamic_texture"].is_null()
-                 ? "there is no linear dynamic texture."
-                 : "the best linear dynamic texture has " +
-                       equal["linear_dynamic_texture"]["what"].get<std::string>() + " and predicts at " +
-                       text_of(equal["linear_dynamic_texture"]["psnr"], 1) + " dB, the motion model at " +
-                       text_of(equal["motion_model"]["psnr"], 1) + " dB.";
-  }
-  std::string body = "<div class=\"plots\">";
-  for (const auto& [key, title, label] :
-       {std::tuple{"psnr", "The next frame", "PSNR, dB"},
-        std::tuple{"temporal_db", "Spectrum in time of a drawn clip", "dB from the source"},
-        std::tuple{"radial_db", "Spectrum in space", "dB from the source"},
-        std::tuple{"crease_sharpness", "Crease sharpness", "share from the source"}})
-    body += size_plot(curve["points"], key, title, label);
-  return section("Quality against size", about, body + "</div>");
-}
-
 std::string file_name(const Json& clip) {
   const std::filesystem::path path(clip["name"].get<std::string>());
   return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
@@ -409,7 +361,6 @@ std::string make_comparison_report(const Comparison& comparison, const Json& sum
           plot(measures, "radial_db", "frequency", {"Spectrum in space", "cycles a pixel", "power, dB", {}}) +
           plot(measures, "autocorrelation", "lag", {"Autocorrelation", "frames apart", "correlation", {}}) +
           (predicted ? prediction_plot(measures) : "") + "</div>");
-  if (measures.contains("size_curve")) page += size_section(measures);
   page +=
       "<section><div class=\"head\"><h2>All figures</h2></div><details><summary>summary.json</summary><pre "
       "style=\"overflow:auto\">" +

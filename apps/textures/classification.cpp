@@ -49,16 +49,15 @@ double distance_of(const dytex::Distances& pair, Measure measure) {
   return measure == Measure::kl ? *pair.kl + *pair.kl_back : distance(pair, measure);
 }
 
-// Returns d in the kernel exp(−d/s); nothing where the measure has its own kernel.
+// Returns d in the kernel exp(−d/s); nothing for the angles, which have their own kernel.
 std::optional<double> exponent_of(const dytex::Distances& pair, Measure measure) {
   if (measure == Measure::kl) return distance_of(pair, measure);
-  if (measure != Measure::martin && measure != Measure::windows) return std::nullopt;
+  if (measure == Measure::angles) return std::nullopt;
   const double d = distance_of(pair, measure);
   return d * d;
 }
 
-double own_kernel(const Pairs& pairs, std::size_t i, std::size_t j, Measure measure) {
-  if (measure == Measure::binet_cauchy) return pairs.at(i, j).binet_cauchy;
+double angles_kernel(const Pairs& pairs, std::size_t i, std::size_t j) {
   const auto states = [&](std::size_t k) { return static_cast<double>(pairs.at(k, k).angles.size()); };
   return pairs.at(i, j).angles.array().cos().square().sum() / std::sqrt(states(i) * states(j));
 }
@@ -81,7 +80,7 @@ class TableKernel final : public cv::ml::SVM::Kernel {
 cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const std::size_t> training,
                        Measure measure) {
   double scale = 1;
-  if (measure != Measure::binet_cauchy && measure != Measure::angles) {
+  if (measure != Measure::angles) {
     std::vector<double> all;
     for (const std::size_t i : training)
       for (const std::size_t j : training)
@@ -97,7 +96,7 @@ cv::Mat1f kernel_table(const Pairs& pairs, std::size_t count, std::span<const st
     for (std::size_t j = i; j < count; ++j) {
       if (!dytex::has(pairs.at(i, j), measure)) continue;
       const auto exponent = exponent_of(pairs.at(i, j), measure);
-      const double value = exponent ? std::exp(-*exponent / scale) : own_kernel(pairs, i, j, measure);
+      const double value = exponent ? std::exp(-*exponent / scale) : angles_kernel(pairs, i, j);
       table(static_cast<int>(i), static_cast<int>(j)) = table(static_cast<int>(j), static_cast<int>(i)) =
           static_cast<float>(value);
     }

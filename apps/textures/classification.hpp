@@ -40,11 +40,10 @@ struct Recognition {
 
 /// Cross-validates both classifiers with every measure. `pairs`: from dytex::all_distances() of the samples.
 /// Nearest: the label of the nearest sample (KL: both directions added), the first of ties. SVM: OpenCV's, C
-/// = 10, one class against another. Its kernels are exp(−(KL + KL back)/s), exp(−Martin²/s), the normalised
-/// trace kernel, Σ cos² θ / √(n n′) of the subspace angles, and exp(−windows²/s); s is the median over pairs
-/// of training samples. Omits samples from measures that they lack (KL without noise r, angles without
-/// components, windows where none moves), and measures that can classify no sample. Deterministic, the same
-/// at any thread count.
+/// = 10, one class against another. Its kernels are exp(−(KL + KL back)/s), exp(−Martin²/s), Σ cos² θ / √(n
+/// n′) of the subspace angles, and exp(−windows²/s); s is the median over pairs of training samples. Omits
+/// samples from measures that they lack (KL without noise r, angles without components, windows where none
+/// moves), and measures that can classify no sample. Deterministic, the same at any thread count.
 std::vector<Recognition> cross_validate(const SampleLabels& samples, std::span<const dytex::Distances> pairs);
 
 /// Draws all confusion matrices in one picture.

@@ -63,8 +63,6 @@ const char* measure_caption(dytex::Measure measure) {
       return "KL rate of the row's model from the column's, nats a frame";
     case dytex::Measure::martin:
       return "Martin distance";
-    case dytex::Measure::binet_cauchy:
-      return "distance by the Binet-Cauchy trace kernel, 0 to 2";
     case dytex::Measure::windows:
       return "windows' distance, dB: root mean square of what their shares differ by, wherever they lie";
     case dytex::Measure::angles:
@@ -157,8 +155,6 @@ std::string pair_table(const std::vector<std::string>& names, const dytex::Dista
   line("KL rate, nats a frame", pair.kl.value_or(kNone), pair.kl_back.value_or(kNone));
   const bool angles = pair.angles.size() > 0;
   line("Martin distance", angles ? dytex::martin_distance(pair.angles) : kNone);
-  line("Binet-Cauchy kernel, -1 to 1", pair.binet_cauchy);
-  line("  distance by it, 0 to 2", distance(pair, dytex::Measure::binet_cauchy));
   constexpr double kDegrees = 180 / std::numbers::pi;
   line("subspace angles, degrees: smallest", angles ? kDegrees * pair.angles[0] : kNone);
   line("  median", angles ? kDegrees * pair.angles[(pair.angles.size() - 1) / 2] : kNone);

@@ -15,7 +15,7 @@ namespace emberfold::apps {
 
 /// Returns the measure with this name; nothing for other names.
 std::optional<dytex::Measure> measure_of(const std::string& text);
-/// Returns "kl, martin, binet-cauchy, angles, windows".
+/// Returns "kl, martin, angles, windows".
 std::string measure_names();
 
 /// Shortens paths to the fewest last parts that distinguish them.

@@ -34,13 +34,10 @@ std::string column(double value, int width, int digits) {
   return out.str();
 }
 
-// Returns "50 noises", "2 noises, 1 not normal, with 98.10 % of what drove the clip" and similar.
+// Returns "50 noises", "2 noises, with 98.10 % of what drove the clip" and similar.
 std::string noise_text(const dytex::LinearDynamicTexture& texture) {
   std::string text = std::to_string(texture.B.cols());
-  text += texture.residuals.size() > 0 ? " resampled residuals"
-          : texture.B.cols() == 1      ? " noise"
-                                       : " noises";
-  if (texture.marginals.size() > 0) text += ", " + std::to_string(texture.marginals.rows()) + " not normal";
+  text += texture.B.cols() == 1 ? " noise" : " noises";
   if (texture.noise_share < 1)
     text += ", with " + column(100 * texture.noise_share, 0, 2) + " % of what drove the clip";
   return text;
@@ -97,10 +94,8 @@ Json texture_json(const dytex::LinearDynamicTexture& texture) {
           {"parameters", pipeline::parameter_count(texture)},
           {"order", texture.order()},
           {"per_channel", texture.channels.size() > 0},
-          {"residuals", texture.residuals.cols()},
           {"noise_inputs", texture.B.cols()},
           {"noise_share", finite_json(texture.noise_share, 1e6)},
-          {"not_normal_inputs", texture.marginals.rows()},
           {"share_of_variance", finite_json(share_of_variance(texture, texture.components()), 1e6)},
           {"spectral_radius", finite_json(dytex::spectral_radius(texture.A), 1e6)},
           {"r", finite_json(texture.r, 1e6)},

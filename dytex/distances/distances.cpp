@@ -10,7 +10,6 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "core/text/check_range.hpp"
 #include "dytex/distances/pair_gram.hpp"
 #include "dytex/learning/decompositions.hpp"
 
@@ -18,10 +17,10 @@ namespace emberfold::dytex {
 
 namespace {
 
-/// Σ (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ over all frames, A's multiplied by `damping`.
+/// Σ (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ over all frames.
 Eigen::MatrixXd observed(const Eigen::MatrixXd& A_p, const Eigen::MatrixXd& A_q,
-                         const Eigen::MatrixXd& products, double damping = 1) {
-  return detail::doubled_sum(damping * A_p.transpose(), damping * A_q, products);
+                         const Eigen::MatrixXd& products) {
+  return detail::doubled_sum(A_p.transpose(), A_q, products);
 }
 
 /// F with Fᵀ P F = I on the directions in which the symmetric P is not 0.
@@ -35,43 +34,16 @@ Eigen::MatrixXd whitening(const Eigen::MatrixXd& P) {
 
 Eigen::VectorXd angles_of(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
                           const detail::PairGram& gram) {
-  const Eigen::MatrixXd left = whitening(observed(p.A, p.A, block_pp(gram, gram.shown)));
-  const Eigen::MatrixXd right = whitening(observed(q.A, q.A, block_qq(gram, gram.shown)));
+  const Eigen::MatrixXd left = whitening(observed(p.A, p.A, block_pp(gram)));
+  const Eigen::MatrixXd right = whitening(observed(q.A, q.A, block_qq(gram)));
   const Eigen::VectorXd cosines =
-      detail::singular_values(left.transpose() * observed(p.A, q.A, block_pq(gram, gram.shown)) * right);
+      detail::singular_values(left.transpose() * observed(p.A, q.A, block_pq(gram)) * right);
   const double rounding =
       16 * static_cast<double>(left.rows() + right.rows()) * std::numeric_limits<double>::epsilon();
   return cosines.unaryExpr([&](double c) { return c >= 1 - rounding ? 0.0 : std::acos(c); });
 }
 
-/// The symmetric square root of Q = B Bᵀ.
-Eigen::MatrixXd root(const Eigen::MatrixXd& B) {
-  const auto eigen = detail::symmetric_eigen(B * B.transpose());
-  return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
-}
-
-double trace_kernel(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
-                    const Eigen::MatrixXd& shown, const Eigen::MatrixXd& bare,
-                    const BinetCauchyOptions& options) {
-  if (p.order() == 0 || q.order() == 0) return 0;
-  const Eigen::MatrixXd M = observed(p.A, q.A, shown, std::exp(-options.discount / 2));
-  const Eigen::MatrixXd noises = root(p.B) * bare * root(q.B);
-  const double driven = M.cwiseProduct(noises).sum() / std::expm1(options.discount);
-  return options.first_frame ? driven + p.states.col(0).dot(M * q.states.col(0)) : driven;
-}
-
-double normalised_kernel(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
-                         const detail::PairGram& gram, const BinetCauchyOptions& options) {
-  const auto kernel = [&](const auto& one, const auto& other, const auto& block) {
-    return trace_kernel(one, other, block(gram, gram.shown), block(gram, gram.bare), options);
-  };
-  const double own = kernel(p, p, detail::block_pp) * kernel(q, q, detail::block_qq);
-  if (!(own > 0)) return 0;
-  return std::clamp(kernel(p, q, detail::block_pq) / std::sqrt(own), -1.0, 1.0);
-}
-
-Distances distances_of_models(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
-                              const BinetCauchyOptions& options) {
+Distances distances_of_models(const LinearDynamicTexture& p, const LinearDynamicTexture& q) {
   const auto gram = detail::pair_gram(p, q);
   Distances result;
   if (has_noise(p) && has_noise(q)) {
@@ -79,7 +51,6 @@ Distances distances_of_models(const LinearDynamicTexture& p, const LinearDynamic
     result.kl_back = detail::kl_rate(q, p, gram.swapped());
   }
   if (p.order() > 0 && q.order() > 0) result.angles = angles_of(p, q, gram);
-  result.binet_cauchy = normalised_kernel(p, q, gram, options);
   return result;
 }
 
@@ -89,10 +60,6 @@ std::optional<double> windows_apart(const WindowSpectrum& p, const WindowSpectru
 }
 
 }  // namespace
-
-void BinetCauchyOptions::validate() const {
-  core::check_range("BinetCauchyOptions.discount", discount, 0.001, 50);
-}
 
 Eigen::VectorXd subspace_angles(const LinearDynamicTexture& p, const LinearDynamicTexture& q) {
   detail::check_pair(p, q);
@@ -111,22 +78,13 @@ double grassmann_distance(const Eigen::Ref<const Eigen::VectorXd>& angles) {
   return angles.norm();
 }
 
-double binet_cauchy(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
-                    const BinetCauchyOptions& options) {
-  options.validate();
-  const auto gram = detail::pair_gram(p, q);
-  return trace_kernel(p, q, block_pq(gram, gram.shown), block_pq(gram, gram.bare), options);
-}
-
 const char* name(Measure measure) {
-  constexpr std::array<const char*, 5> kNames{"kl", "martin", "binet-cauchy", "angles", "windows"};
+  constexpr std::array<const char*, 4> kNames{"kl", "martin", "angles", "windows"};
   return kNames[static_cast<std::size_t>(measure)];
 }
 
-Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
-                    const BinetCauchyOptions& options) {
-  options.validate();
-  Distances result = distances_of_models(p, q, options);
+Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q) {
+  Distances result = distances_of_models(p, q);
   result.windows = windows_apart(window_spectrum(p), window_spectrum(q));
   return result;
 }
@@ -134,7 +92,7 @@ Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q
 bool has(const Distances& distances, Measure measure) {
   if (measure == Measure::kl) return distances.kl.has_value();
   if (measure == Measure::windows) return distances.windows.has_value();
-  return measure == Measure::binet_cauchy || distances.angles.size() > 0;
+  return distances.angles.size() > 0;
 }
 
 double distance(const Distances& distances, Measure measure) {
@@ -145,8 +103,6 @@ double distance(const Distances& distances, Measure measure) {
             "a model's noise r is 0, so the KL rate is infinite; learn with fewer "
             "components than the clip has independent frames, so that r is estimated");
       return *distances.kl;
-    case Measure::binet_cauchy:
-      return std::sqrt(2 - 2 * distances.binet_cauchy);
     case Measure::windows:
       if (!distances.windows)
         throw core::InputError(
@@ -163,9 +119,7 @@ double distance(const Distances& distances, Measure measure) {
 }
 
 std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> models,
-                                     const BinetCauchyOptions& options, const core::Context& context,
-                                     std::span<const WindowSpectrum> windows) {
-  options.validate();
+                                     const core::Context& context, std::span<const WindowSpectrum> windows) {
   if (!windows.empty() && windows.size() != models.size())
     throw core::InputError("all_distances: " + std::to_string(windows.size()) + " descriptions are not of " +
                            std::to_string(models.size()) + " models");
@@ -184,7 +138,7 @@ std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> model
   std::vector<Distances> result(places.size());
   core::parallel_for(places.size(), context, [&](std::size_t k) {
     const auto [i, j] = places[k];
-    result[k] = distances_of_models(models[i], models[j], options);
+    result[k] = distances_of_models(models[i], models[j]);
     result[k].windows = windows_apart(windows[i], windows[j]);
   });
   return result;

@@ -43,55 +43,32 @@ double martin_distance(const Eigen::Ref<const Eigen::VectorXd>& angles);
 /// Returns the Grassmann distance √(Σ θ²), rad: the length of the geodesic from one space to the other.
 double grassmann_distance(const Eigen::Ref<const Eigen::VectorXd>& angles);
 
-struct BinetCauchyOptions {
-  double discount = 0.9;  ///< λ, 0.001 … 50: frame t weighs e^{−λ t}
-  /// Clips begin at the state of the first training frame; else at rest.
-  bool first_frame = false;
-
-  /// Throws InputError naming the field, its value and what is allowed.
-  void validate() const;
-};
-
-/// Returns the trace kernel k = E Σ_t e^{−λt} y_p(t)ᵀ y_q(t) of frames less their mean and without w
-/// (Vishwanathan, Smola, Vidal 2007, eq. 28), with M = Σ_t e^{−λt} (Aₚᵀ)ᵗ Cₚᵀ C_q A_qᵗ:
-///   k = x_p(0)ᵀ M x_q(0) + tr(Mᵀ E[v_p v_qᵀ]) / (e^λ − 1).
-/// The paper drives both models by the same noise but leaves open in which coordinates. Here one white image
-/// u drives both, v = Q^½ Cᵀ u, so that k does not depend on the states' coordinates, and matrices of it have
-/// no negative eigenvalue. Levels², not normalised.
-double binet_cauchy(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
-                    const BinetCauchyOptions& options = {});
-
 /// All distances of one pair.
 struct Distances {
   std::optional<double> kl, kl_back;  ///< KL rates of p from q and of q from p; none where a noise r is 0
   Eigen::VectorXd angles;             ///< none where a model has no components
-  double binet_cauchy = 0;            ///< k(p, q) / √(k(p, p) k(q, q)), −1 … 1; 0 where one is still
   /// window_distance(), dB; none where a model has no window_spectrum().
   std::optional<double> windows;
 };
 
-enum class Measure { kl, martin, binet_cauchy, angles, windows };
-constexpr Measure kMeasures[] = {Measure::kl, Measure::martin, Measure::binet_cauchy, Measure::angles,
-                                 Measure::windows};
-/// Returns "kl", "martin", "binet-cauchy", "angles" or "windows".
+enum class Measure { kl, martin, angles, windows };
+constexpr Measure kMeasures[] = {Measure::kl, Measure::martin, Measure::angles, Measure::windows};
+/// Returns "kl", "martin", "angles" or "windows".
 const char* name(Measure measure);
 
 /// Returns whether the pair has such a distance.
 bool has(const Distances& distances, Measure measure);
-/// Returns one distance: the KL rate of p from q, Martin's distance, √(2 − 2 k) of the normalised kernel, the
-/// Grassmann distance, or the windows' distance. 0 for equals. InputError where `distances` has no such
-/// number.
+/// Returns one distance: the KL rate of p from q, Martin's distance, the Grassmann distance, or
+/// the windows' distance. 0 for equals. InputError where `distances` has no such number.
 double distance(const Distances& distances, Measure measure);
 
 /// Computes all distances of one pair.
-Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
-                    const BinetCauchyOptions& options = {});
+Distances distances(const LinearDynamicTexture& p, const LinearDynamicTexture& q);
 
 /// Computes the distances of every pair i ≤ j, row by row: (0, 0), (0, 1) … (0, K − 1), (1, 1) …. The same
 /// bytes at any thread count; InputError names the model ("model 3: …", from 0) that does not fit the first.
 /// `windows`: descriptions of the clips that the models are of, one each; without them, the models' own.
 std::vector<Distances> all_distances(std::span<const LinearDynamicTexture> models,
-                                     const BinetCauchyOptions& options = {},
                                      const core::Context& context = {},
                                      std::span<const WindowSpectrum> windows = {});
 

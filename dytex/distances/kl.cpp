@@ -84,10 +84,10 @@ void weigh_by_value(const LinearDynamicTexture& p, const LinearDynamicTexture& q
   const auto by_p = detail::pair_gram(p, q, R_p.cwiseInverse());
   const auto by_q = detail::pair_gram(p, q, R_q.cwiseInverse());
   const auto by_both = detail::pair_gram(p, q, ratios.cwiseQuotient(R_q));
-  pair.p.K = block_pp(by_p, by_p.shown);
-  pair.q.K = block_qq(by_q, by_q.shown);
-  pair.products = by_q.shown;
-  pair.noise = block_qq(by_both, by_both.shown);
+  pair.p.K = block_pp(by_p);
+  pair.q.K = block_qq(by_q);
+  pair.products = by_q.products;
+  pair.noise = block_qq(by_both);
   pair.noises = (ratios.array() - 1 - ratios.array().log()).sum();
 }
 
@@ -97,9 +97,9 @@ Pair make_pair(const LinearDynamicTexture& p, const LinearDynamicTexture& q, con
   Pair pair{{p.A, p.B * p.B.transpose(), {}}, {q.A, q.B * q.B.transpose(), {}}, {}, {}, 0};
   if (p.noise.size() == 0 && q.noise.size() == 0) {
     const double ratio = p.r / q.r;
-    pair.p.K = block_pp(gram, gram.shown) / p.r;
-    pair.q.K = block_qq(gram, gram.shown) / q.r;
-    pair.products = gram.shown / q.r;
+    pair.p.K = block_pp(gram) / p.r;
+    pair.q.K = block_qq(gram) / q.r;
+    pair.products = gram.products / q.r;
     pair.noise = pair.q.K * ratio;
     pair.noises = static_cast<double>(p.pixels()) * (ratio - 1 - std::log(ratio));
   } else {

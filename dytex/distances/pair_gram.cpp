@@ -71,19 +71,15 @@ PairGram pair_gram(const LinearDynamicTexture& p, const LinearDynamicTexture& q,
   const Eigen::MatrixXd sum = parts[0].selfadjointView<Eigen::Lower>();
   Eigen::VectorXd weights(size);
   weights << p.weights, q.weights, 1;
-  PairGram result{p.order(), q.order(), place_products(sum, p, q), {}};
-  result.shown = place_products(weights.asDiagonal() * sum * weights.asDiagonal(), p, q);
-  return result;
+  return {p.order(), q.order(), place_products(weights.asDiagonal() * sum * weights.asDiagonal(), p, q)};
 }
 
 PairGram PairGram::swapped() const {
   std::vector<Eigen::Index> order;
   for (Eigen::Index i = 0; i <= p + q; ++i) order.push_back(i < q ? p + i : i < p + q ? i - q : i);
-  PairGram result{q, p, bare(order, order), shown(order, order)};
-  for (Eigen::MatrixXd* gram : {&result.bare, &result.shown}) {
-    gram->col(p + q).head(p + q) *= -1;
-    gram->row(p + q).head(p + q) *= -1;
-  }
+  PairGram result{q, p, products(order, order)};
+  result.products.col(p + q).head(p + q) *= -1;
+  result.products.row(p + q).head(p + q) *= -1;
   return result;
 }
 

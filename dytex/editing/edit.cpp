@@ -80,7 +80,7 @@ void note_losses(Work& work, const detail::EditedDynamics& edited) {
         " % of the noise that would was negative and was cut");
 }
 
-/// Stores the group's new dynamics. Where the noise gets more inputs, the residuals are dropped.
+/// Stores the group's new dynamics.
 void store_group(Work& work, const Group& group, const detail::EditedDynamics& edited) {
   LinearDynamicTexture& texture = work.texture();
   texture.A(group.states, group.states) = edited.A;
@@ -88,10 +88,6 @@ void store_group(Work& work, const Group& group, const detail::EditedDynamics& e
     const Index before = texture.B.cols();
     texture.B.conservativeResize(Eigen::NoChange, edited.B.cols());
     texture.B.rightCols(edited.B.cols() - before).setZero();
-    if (texture.residuals.size() > 0) {
-      texture.residuals.resize(0, 0);
-      work.note("the noise got more inputs than there are residuals of: it is Gaussian now");
-    }
   }
   texture.B(group.states, Eigen::seq(0, edited.B.cols() - 1)) = edited.B;
 }

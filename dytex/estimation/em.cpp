@@ -113,15 +113,6 @@ void filled_spectrum(core::FrameSource& source, const Missing& missing, const Em
                      (255 / source.info().white);
 }
 
-void note_residuals(const LinearDynamicTexture& start, EmResult& result) {
-  if (start.residuals.size() > 0)
-    result.notes.emplace_back("likelihood is of Gaussian noise: the start's residuals are left out");
-  if (start.marginals.size() > 0)
-    result.notes.emplace_back("likelihood is of Gaussian noise: the start's marginals are left out");
-  if (start.noise_share < 1)
-    result.notes.emplace_back("the likelihood is of noise in all directions: the start's fewer are left");
-}
-
 /// Notes where clips drawn from the model vary much more or less than the smoothed states.
 void compare_variance(EmResult& result) {
   const LinearDynamicTexture& texture = result.texture;
@@ -166,7 +157,8 @@ EmResult maximise_likelihood(core::FrameSource& source, const LinearDynamicTextu
     fail_likelihood("the start was learned from " + std::to_string(start.states.cols()) +
                     " frames, the clip has " + std::to_string(frame_blocks.frames()));
   EmResult result;
-  note_residuals(start, result);
+  if (start.noise_share < 1)
+    result.notes.emplace_back("the likelihood is of noise in all directions: the start's fewer are left");
   if (start.components() == 0) {
     result.notes.emplace_back("the frames do not change: there is nothing to improve");
     result.texture = start;

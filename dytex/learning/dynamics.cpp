@@ -7,8 +7,6 @@
 #include "core/error.hpp"
 #include "core/text/format_number.hpp"
 #include "dytex/learning/decompositions.hpp"
-#include "dytex/learning/independent_noise.hpp"
-#include "dytex/learning/stable_fit.hpp"
 #include "dytex/linear_dynamic_texture.hpp"
 #include "dytex/model/innovations.hpp"
 
@@ -21,14 +19,12 @@ constexpr double kUndamped = 1e-6;    // of a pole's radius from 1: rounding of 
 constexpr double kHeldRadius = 1 - 1e-9;
 constexpr int kDoublings = 20;          // a mean over 2^20 frames
 constexpr double kVarianceRatio = 1.5;  // drawn to learned; beyond it a note warns
-constexpr double kLeastInput = 1e-9;    // of the largest variance; a smaller one is an input that never moves
 
 /// One block's fit, in states of unit size: A and `states` of the whole state, layer by layer; errors of its
 /// first layer, the only one that noise enters.
 struct Fit {
   Eigen::MatrixXd A, states;
-  Eigen::MatrixXd noise;        ///< F with F Fᵀ the noise's covariance
-  Eigen::MatrixXd innovations;  ///< of the last frames, as many as were predicted
+  Eigen::MatrixXd noise;  ///< F with F Fᵀ the noise's covariance
 };
 
 /// (v(t), …, v(t + 1 − lags)) for t from `first` to `last`, a row each; 0 outside the clip.
@@ -63,10 +59,10 @@ Eigen::MatrixXd all_states(const Eigen::MatrixXd& V, Eigen::Index lags) {
 
 Fit regression_of(const Eigen::MatrixXd& V, Eigen::Index lags, const Eigen::MatrixXd& first) {
   const Eigen::Index frames = V.rows();
-  Fit fit{companion(first), all_states(V, lags), {}, {}};
-  fit.innovations = V.bottomRows(frames - lags).transpose() -
-                    first * lagged_rows(V, lags, lags - 1, frames - 2).transpose();
-  fit.noise = fit.innovations / std::sqrt(static_cast<double>(frames - lags));
+  Fit fit{companion(first), all_states(V, lags), {}};
+  fit.noise = (V.bottomRows(frames - lags).transpose() -
+               first * lagged_rows(V, lags, lags - 1, frames - 2).transpose()) /
+              std::sqrt(static_cast<double>(frames - lags));
   return fit;
 }
 
@@ -123,11 +119,10 @@ std::optional<Fit> undamped_fit(Fit fit) {
 /// enters x. Its eigenvalues are A's and n zeros.
 Fit innovations_fit(const Eigen::MatrixXd& V, const Innovations& found) {
   const Eigen::Index n = V.cols(), frames = V.rows(), used = frames - found.first;
-  Fit fit{Eigen::MatrixXd(2 * n, 2 * n), Eigen::MatrixXd(2 * n, frames), {}, {}};
+  Fit fit{Eigen::MatrixXd(2 * n, 2 * n), Eigen::MatrixXd(2 * n, frames), {}};
   fit.A << found.K, found.A - found.K, found.K, found.A - found.K;
   fit.states << V.transpose(), found.forecasts;
-  fit.innovations = (V.transpose() - found.forecasts).rightCols(used);
-  fit.noise = fit.innovations / std::sqrt(static_cast<double>(used));
+  fit.noise = (V.transpose() - found.forecasts).rightCols(used) / std::sqrt(static_cast<double>(used));
   return fit;
 }
 
@@ -140,10 +135,9 @@ std::string decimal_text(double value) {
 }
 
 /// Fits by least squares where all blocks have a stable fit that leaves noise; else by its replacement.
-std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOptions& options, Dynamics& result,
-                             const core::Context& context) {
+std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOptions& options,
+                             Dynamics& result) {
   std::vector<Fit> fits;
-  std::vector<double> radii;
   for (const Block& block : blocks) {
     fits.push_back(least_squares_fit(block.V, options.lags));
     if (options.method == Method::closed_form && is_undamped(fits.back()))
@@ -151,23 +145,15 @@ std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOption
         fits.back() = *std::move(undamped);
         result.notes.emplace_back("the clip is waves without noise, which are kept undamped");
       }
-    radii.push_back(spectral_radius(fits.back().A));
-    result.least_squares_radius = std::max(result.least_squares_radius, radii.back());
-    if (radii.back() < 1 && is_noiseless(fits.back())) result.noiseless = true;
+    const double radius = spectral_radius(fits.back().A);
+    result.least_squares_radius = std::max(result.least_squares_radius, radius);
+    if (radius < 1 && is_noiseless(fits.back())) result.noiseless = true;
   }
   const bool stable = result.least_squares_radius < 1;
   if (stable && !result.noiseless) return fits;
   const std::string reason = stable ? "the least-squares fit leaves no noise to go on from"
                                     : "the least-squares fit is not stable (spectral radius " +
                                           decimal_text(result.least_squares_radius) + ")";
-  if (options.stable == Stable::soc && !result.noiseless) {
-    result.transition = Transition::soc;
-    result.notes.push_back(reason + ": the best stable fit (SOC) is taken");
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-      if (radii[i] >= 1)
-        fits[i] = regression_of(blocks[i].V, 1, stable_fit(blocks[i].s, blocks[i].V, context));
-    return fits;
-  }
   result.transition = Transition::yule_walker;
   result.notes.push_back(reason + ": the Yule-Walker fit is taken");
   for (std::size_t i = 0; i < blocks.size(); ++i) fits[i] = yule_walker_fit(blocks[i].V, options.lags);
@@ -175,12 +161,11 @@ std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOption
 }
 
 /// Fits the innovations forms; where one is not found, the closed form is kept.
-std::vector<Fit> innovations_forms(const std::vector<Block>& blocks, const LearnOptions& options,
-                                   std::vector<Fit> fits, Dynamics& result, const core::Context& context) {
-  const bool subspace = options.method == Method::n4sid;
+std::vector<Fit> innovations_forms(const std::vector<Block>& blocks, std::vector<Fit> fits,
+                                   Dynamics& result) {
   std::vector<Fit> better;
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const auto found = subspace ? n4sid(blocks[i].V) : prediction_error(blocks[i].V, fits[i].A, context);
+  for (const Block& block : blocks) {
+    const auto found = n4sid(block.V);
     if (!found) {
       result.notes.emplace_back(
           "the subspaces of the clip have no state of as many dimensions as there are "
@@ -188,9 +173,9 @@ std::vector<Fit> innovations_forms(const std::vector<Block>& blocks, const Learn
       return fits;
     }
     if (!found->note.empty()) result.notes.push_back(found->note);
-    better.push_back(innovations_fit(blocks[i].V, *found));
+    better.push_back(innovations_fit(block.V, *found));
   }
-  result.transition = subspace ? Transition::n4sid : Transition::prediction_error;
+  result.transition = Transition::n4sid;
   return better;
 }
 
@@ -200,19 +185,6 @@ std::vector<Eigen::Index> rows_of(const Block& block, Eigen::Index n, Eigen::Ind
   for (Eigen::Index layer = 0; layer < layers; ++layer)
     for (const Eigen::Index place : block.places) rows.push_back(layer * n + place);
   return rows;
-}
-
-/// Returns the v of each frame, of mean 0 and covariance I: M^(−1/2) B⁺ (innovations − their mean), M the
-/// covariance of the rest. Empty where there are too few frames.
-Eigen::MatrixXd whiten_inputs(const Eigen::MatrixXd& B, const Eigen::MatrixXd& innovations) {
-  Eigen::MatrixXd inputs = least_squares(B, innovations);
-  inputs.colwise() -= inputs.rowwise().mean().eval();
-  const SymmetricEigen covariance =
-      symmetric_eigen(inputs * inputs.transpose() / static_cast<double>(inputs.cols()));
-  const Eigen::Index k = covariance.values.size();
-  if (k == 0 || covariance.values[k - 1] <= kLeastInput * covariance.values[0]) return {};
-  return covariance.vectors * covariance.values.cwiseSqrt().cwiseInverse().asDiagonal() *
-         covariance.vectors.transpose() * inputs;
 }
 
 /// Returns F with F Fᵀ = noise noiseᵀ, or the strongest part of it in the requested number of inputs.
@@ -227,32 +199,14 @@ Eigen::MatrixXd driving_factor(const Eigen::MatrixXd& noise, const LearnOptions&
   return B.leftCols(rank);
 }
 
-/// Chooses the distribution of v. `B` is rotated where its inputs are to be independent.
-void choose_noise(const Eigen::MatrixXd& innovations, const LearnOptions& options, Eigen::MatrixXd& B,
-                  Dynamics& result, const core::Context& context) {
-  if (options.noise == Noise::normal) return;
-  Eigen::MatrixXd inputs = whiten_inputs(B, innovations);
-  if (inputs.size() == 0) {
-    result.notes.emplace_back("the frames are too few to draw residuals from: the noise is normal");
-  } else if (options.noise == Noise::resampled) {
-    result.residuals = std::move(inputs);
-  } else if (auto found = independent_noise(inputs, context)) {
-    B = (B * found->turn.transpose()).eval();
-    result.marginals = std::move(found->marginals);
-  } else {
-    result.notes.emplace_back(
-        "what drives the clip cannot be told from normal noise by so many frames: the noise is normal");
-  }
-}
-
 void assemble(const std::vector<Block>& blocks, const std::vector<Fit>& fits, const LearnOptions& options,
-              Dynamics& result, const core::Context& context) {
+              Dynamics& result) {
   Eigen::Index n = 0;
   for (const Block& block : blocks) n += block.V.cols();
   const Eigen::Index layers = fits[0].A.rows() / blocks[0].V.cols(), order = n * layers;
   result.A = Eigen::MatrixXd::Zero(order, order);
   result.states.resize(order, fits[0].states.cols());
-  Eigen::MatrixXd noise(n, fits[0].noise.cols()), innovations(n, fits[0].innovations.cols());
+  Eigen::MatrixXd noise(n, fits[0].noise.cols());
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const Eigen::VectorXd& s = blocks[i].s;
     const Eigen::VectorXd scale = s.replicate(layers, 1);
@@ -260,10 +214,8 @@ void assemble(const std::vector<Block>& blocks, const std::vector<Fit>& fits, co
     result.A(rows, rows) = scale.asDiagonal() * fits[i].A * scale.cwiseInverse().asDiagonal();
     result.states(rows, Eigen::all) = scale.asDiagonal() * fits[i].states;
     noise(blocks[i].places, Eigen::all) = s.asDiagonal() * fits[i].noise;
-    innovations(blocks[i].places, Eigen::all) = s.asDiagonal() * fits[i].innovations;
   }
-  Eigen::MatrixXd B = driving_factor(noise, options, result);
-  choose_noise(innovations, options, B, result, context);
+  const Eigen::MatrixXd B = driving_factor(noise, options, result);
   result.B = Eigen::MatrixXd::Zero(order, B.cols());
   result.B.topRows(n) = B;
 }
@@ -279,7 +231,6 @@ void check_frames(const std::vector<Block>& blocks, const LearnOptions& options)
     };
     if (options.lags > 1) need(n * options.lags + 2, "lags: an auto-regression");
     if (options.method == Method::n4sid) need(n4sid_frames(n), "method: n4sid");
-    if (options.method == Method::prediction_error) need(prediction_error_frames(n), "method: pem");
   }
 }
 
@@ -314,8 +265,7 @@ Eigen::VectorXd variance_within(const Eigen::MatrixXd& A, const Eigen::MatrixXd&
   return P.diagonal() - (2 * (weighted * P).diagonal() - t * P.diagonal()) / (t * t);
 }
 
-Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options,
-                      const core::Context& context) {
+Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options) {
   Dynamics result;
   std::vector<Block> blocks;
   for (const Block& block : all)
@@ -326,10 +276,10 @@ Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options
     return result;
   }
   check_frames(blocks, options);
-  std::vector<Fit> fits = closed_form(blocks, options, result, context);
-  if (options.method != Method::closed_form && !result.noiseless)
-    fits = innovations_forms(blocks, options, std::move(fits), result, context);
-  assemble(blocks, fits, options, result, context);
+  std::vector<Fit> fits = closed_form(blocks, options, result);
+  if (options.method == Method::n4sid && !result.noiseless)
+    fits = innovations_forms(blocks, std::move(fits), result);
+  assemble(blocks, fits, options, result);
   return result;
 }
 

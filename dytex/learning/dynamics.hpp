@@ -7,7 +7,6 @@
 
 #include <Eigen/Core>
 
-#include "core/context.hpp"
 #include "dytex/learn.hpp"
 
 namespace emberfold::dytex::detail {
@@ -22,7 +21,7 @@ struct Block {
 
 /// x(t+1) = A x(t) + B v(t), fitted to states.
 struct Dynamics {
-  Eigen::MatrixXd A, B, residuals, marginals, states;
+  Eigen::MatrixXd A, B, states;
   double noise_share = 1;
   double least_squares_radius = 0;
   Transition transition = Transition::least_squares;
@@ -39,10 +38,9 @@ std::optional<std::string> variance_note(double drawn, double seen);
 /// where poles are slow. A is stable. O(n³ log frames).
 Eigen::VectorXd variance_within(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::Index frames);
 
-/// Fits x(t+1) = A x(t) + B v(t) to every block separately, with common noise. With `lags` or an innovations
+/// Fits x(t+1) = A x(t) + B v(t) to every block separately, with common noise. With `lags` or the innovations
 /// form, the state's first n numbers are the components, and the others follow in the same order. Throws
 /// InputError where frames are too few. For the closed form O(n² τ + n³).
-Dynamics fit_dynamics(const std::vector<Block>& blocks, const LearnOptions& options,
-                      const core::Context& context = {});
+Dynamics fit_dynamics(const std::vector<Block>& blocks, const LearnOptions& options);
 
 }  // namespace emberfold::dytex::detail

@@ -153,8 +153,6 @@ void take_dynamics(Dynamics dynamics, LearnResult& result) {
   LinearDynamicTexture& texture = result.texture;
   texture.A = std::move(dynamics.A);
   texture.B = std::move(dynamics.B);
-  texture.residuals = std::move(dynamics.residuals);
-  texture.marginals = std::move(dynamics.marginals);
   texture.noise_share = dynamics.noise_share;
   texture.states = std::move(dynamics.states);
 }
@@ -169,8 +167,7 @@ void check_count(const LearnOptions& options, Eigen::Index frames) {
 }
 
 FittedSpectra fit_spectra(const std::vector<Spectrum>& spectra, const std::vector<Eigen::MatrixXd>& grams,
-                          const core::ClipInfo& info, const LearnOptions& options,
-                          const core::Context& context) {
+                          const core::ClipInfo& info, const LearnOptions& options) {
   const Eigen::Index m = Eigen::Index{info.width} * info.height * info.channels;
   const double to_levels = 255 / info.white;
   FittedSpectra fitted;
@@ -188,7 +185,7 @@ FittedSpectra fit_spectra(const std::vector<Spectrum>& spectra, const std::vecto
     for (Eigen::Index i = 0; i < n; ++i)
       texture.channels[i] = static_cast<int>(chosen[static_cast<std::size_t>(i)].spectrum);
   }
-  take_dynamics(fit_dynamics(blocks, options, context), result);
+  take_dynamics(fit_dynamics(blocks, options), result);
   texture.r = left_variance(spectra, blocks, m);
   match_variance(result);
   fitted.weights = component_weights(blocks, n, to_levels);

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 
 #include "core/clip.hpp"
-#include "core/context.hpp"
 #include "dytex/learn.hpp"
 #include "dytex/learning/model_order.hpp"
 
@@ -25,7 +24,6 @@ void check_count(const LearnOptions& options, Eigen::Index frames);
 /// Chooses the components by the options and fits their motion. `spectra`: of all channels, or one for each;
 /// `grams`: the raw matrices they are of, which Order::held_out reads; `info` gives the number of frames.
 FittedSpectra fit_spectra(const std::vector<Spectrum>& spectra, const std::vector<Eigen::MatrixXd>& grams,
-                          const core::ClipInfo& info, const LearnOptions& options,
-                          const core::Context& context);
+                          const core::ClipInfo& info, const LearnOptions& options);
 
 }  // namespace emberfold::dytex::detail

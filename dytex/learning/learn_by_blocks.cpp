@@ -197,8 +197,7 @@ LearnResult learn_by_blocks(core::FrameSource& source, const LearnOptions& optio
   fix_signs(seen);
   info.frames = frames;
   const double to_levels = 255 / info.white;
-  LearnResult result =
-      detail::fit_spectra({whole_spectrum(seen, to_levels)}, {}, info, options, context).result;
+  LearnResult result = detail::fit_spectra({whole_spectrum(seen, to_levels)}, {}, info, options).result;
   context.report("making components", 0);
   const Index n = result.texture.components();
   result.texture.C = seen.scores.leftCols(n);

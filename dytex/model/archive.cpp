@@ -20,13 +20,12 @@ namespace emberfold::dytex {
 namespace {
 
 constexpr std::string_view kFormat = "emberfold.linear_dynamic_texture";
-constexpr int kVersion = 3;  // of models with marginals; 2 of all others
+constexpr int kVersion = 2;
 // Bounds on sizes in a file, far above every real model: they keep sizes within 64 bits.
 constexpr int kMostNesting = 16;  // levels of brackets in model.json
 constexpr std::int64_t kMostVersion = std::int64_t{1} << 31;
 constexpr std::int64_t kMostStoredSide = 65536;  // px
-constexpr std::int64_t kMostFrames = 1 << 24, kMostResiduals = 1 << 24, kMostComponents = 1 << 24;
-constexpr std::int64_t kMostQuantiles = 1 << 24;
+constexpr std::int64_t kMostFrames = 1 << 24, kMostComponents = 1 << 24;
 constexpr std::array<std::pair<int, const char*>, 3> kDepths{
     {{CV_8U, "u8"}, {CV_16U, "u16"}, {CV_32F, "f32"}}};
 
@@ -195,17 +194,8 @@ Columns<float> read_levels(const core::ModelArchive& archive, const std::string&
 }
 
 struct Extents {
-  std::size_t values, components, inputs;
+  std::size_t values, components;
 };
-
-/// Reads the entries that version 2 did not have.
-void read_third_version(const nlohmann::json& json, const core::ModelArchive& archive, const Extents& extents,
-                        LinearDynamicTexture& texture) {
-  const auto told =
-      static_cast<std::size_t>(whole_number(json, "marginals", 1, static_cast<std::int64_t>(extents.inputs)));
-  const auto quantiles = static_cast<std::size_t>(whole_number(json, "quantiles", 2, kMostQuantiles));
-  texture.marginals = read_matrix<double>(archive, "marginals", {told, quantiles});
-}
 
 /// Reads the entries that version 1 did not have.
 void read_second_version(const nlohmann::json& json, const core::ModelArchive& archive,
@@ -214,9 +204,6 @@ void read_second_version(const nlohmann::json& json, const core::ModelArchive& a
   const nlohmann::json& each = entry(json, "noise_per_value");
   if (!each.is_boolean()) refuse_archive("\"noise_per_value\" must be true or false");
   if (each.get<bool>()) texture.noise = read_matrix<float>(archive, "noise", {extents.values});
-  const auto residuals = static_cast<std::size_t>(whole_number(json, "residuals", 0, kMostResiduals));
-  if (residuals > 0)
-    texture.residuals = read_matrix<double>(archive, "residuals", {extents.inputs, residuals});
   if (json.contains("noise_share")) texture.noise_share = number(json, "noise_share");
   const auto channels = json.find("component_channels");
   if (channels == json.end()) return;
@@ -238,7 +225,7 @@ core::ModelView archive_view(const LinearDynamicTexture& texture) {
       std::find_if(kDepths.begin(), kDepths.end(), [&](const auto& d) { return d.first == info.depth; });
   nlohmann::ordered_json json;
   json["format"] = kFormat;
-  json["version"] = texture.marginals.size() > 0 ? kVersion : 2;
+  json["version"] = kVersion;
   json["width"] = info.width;
   json["height"] = info.height;
   json["channels"] = info.channels;
@@ -251,12 +238,7 @@ core::ModelView archive_view(const LinearDynamicTexture& texture) {
   json["noise_inputs"] = texture.B.cols();
   json["r"] = texture.r;
   json["noise_per_value"] = texture.noise.size() > 0;
-  json["residuals"] = texture.residuals.cols();
   if (texture.noise_share < 1) json["noise_share"] = texture.noise_share;
-  if (texture.marginals.size() > 0) {
-    json["marginals"] = texture.marginals.rows();
-    json["quantiles"] = texture.marginals.cols();
-  }
   if (texture.channels.size() > 0)
     json["component_channels"] = std::vector<int>(texture.channels.begin(), texture.channels.end());
   core::ModelView archive{json.dump(2) + "\n", {}};
@@ -268,8 +250,6 @@ core::ModelView archive_view(const LinearDynamicTexture& texture) {
   archive.arrays["states"] = array_of(texture.states);
   archive.arrays["singular"] = array_of(texture.singular);
   if (texture.noise.size() > 0) archive.arrays["noise"] = array_of(texture.noise);
-  if (texture.residuals.size() > 0) archive.arrays["residuals"] = array_of(texture.residuals);
-  if (texture.marginals.size() > 0) archive.arrays["marginals"] = array_of(texture.marginals);
   return archive;
 }
 
@@ -287,8 +267,7 @@ core::ModelArchive to_archive(const LinearDynamicTexture& texture) {
 
 LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive) {
   const nlohmann::json json = parse(archive.text);
-  const std::int64_t version = check_format(json);
-  const bool first_version = version == 1;
+  const bool first_version = check_format(json) == 1;
   LinearDynamicTexture texture;
   texture.info = read_info(json);
   texture.r = number(json, "r");
@@ -307,8 +286,7 @@ LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive) {
   texture.B = read_matrix<double>(archive, "B", {order, k});
   texture.states = read_matrix<double>(archive, "states", {order, frames});
   texture.weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
-  if (!first_version) read_second_version(json, archive, {m, n, k}, texture);
-  if (version >= 3) read_third_version(json, archive, {m, n, k}, texture);
+  if (!first_version) read_second_version(json, archive, {m, n}, texture);
   const std::size_t spectra =
       texture.channels.size() > 0 ? static_cast<std::size_t>(texture.info.channels) : 1;
   texture.singular = read_matrix<double>(archive, "singular", {spectra * frames});

@@ -6,11 +6,10 @@
 
 namespace emberfold::dytex {
 
-/// Makes an archive of the format "emberfold.linear_dynamic_texture", version 2; 3 with marginals. Numbers
-/// are in model.json. Arrays: mean (m), C (m × n) in single precision, weights (n), A (N × N), B (N × k),
-/// states (N × τ) and singular (τ) in double; noise (m, single), residuals (k × any number, double) and
-/// marginals (j × p, double) where there are any. InputError where the texture is not valid. Reading the
-/// archive gives the same texture, bit for bit.
+/// Makes an archive of the format "emberfold.linear_dynamic_texture", version 2. Numbers are in model.json.
+/// Arrays: mean (m), C (m × n) in single precision, weights (n), A (N × N), B (N × k), states (N × τ) and
+/// singular (τ) in double; noise (m, single) where there is any. InputError where the texture is not valid.
+/// Reading the archive gives the same texture, bit for bit.
 core::ModelArchive to_archive(const LinearDynamicTexture& texture);
 /// Makes a view of that archive without a copy of the arrays. The texture must outlive the view.
 core::ModelView archive_view(const LinearDynamicTexture& texture);

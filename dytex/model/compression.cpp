@@ -70,8 +70,8 @@ Products products(const LinearDynamicTexture& texture, const LinearDynamicTextur
   bare(texture, shown_p);
   bare(kept, shown_q);
   const auto gram = detail::pair_gram(shown_p, shown_q);
-  return {block_qq(gram, gram.bare), block_pq(gram, gram.bare).transpose(),
-          gram.bare.col(2 * n).segment(n, n), gram.bare(2 * n, 2 * n)};
+  return {block_qq(gram), block_pq(gram).transpose(), gram.products.col(2 * n).segment(n, n),
+          gram.products(2 * n, 2 * n)};
 }
 
 void check_frames(const LinearDynamicTexture& texture, const core::ClipInfo& info) {
@@ -155,8 +155,8 @@ std::size_t stored_bytes(const LinearDynamicTexture& texture, Eigen::Index compo
   // The states hold this number of values for each component, now and before.
   const Eigen::Index order = most > 0 ? texture.order() * components / most : texture.order();
   const Eigen::Index inputs = std::min(order, texture.B.cols()), m = texture.pixels();
-  const Eigen::Index doubles = order * (order + inputs + texture.states.cols()) + texture.singular.size() +
-                               inputs * texture.residuals.cols() + texture.marginals.size() + components;
+  const Eigen::Index doubles =
+      order * (order + inputs + texture.states.cols()) + texture.singular.size() + components;
   Eigen::Index bytes = 8 * doubles + 4 * texture.noise.size();
   switch (precision) {
     case Precision::f32:

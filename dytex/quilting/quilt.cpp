@@ -156,9 +156,9 @@ cv::Mat cut_block(const detail::BlockSearch& search, const BlockQuery& query, co
 }  // namespace
 
 QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& options,
-                  const core::Context& context, const QuiltRun& run) {
+                  const core::Context& context, const cv::Mat& guide) {
   options.validate();
-  detail::check_sources(sources, options, run);
+  detail::check_sources(sources, options, guide);
   const auto plan = detail::plan_blocks(options.size, options.block, options.overlap, options.tileable);
   cv::Size least = options.block, most(1, 1);
   std::size_t blocks = 0;
@@ -177,17 +177,14 @@ QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& opti
     context.report("quilt", static_cast<double>(result.choices.size()) / static_cast<double>(blocks));
     std::vector<QuiltChoice> chosen(wave.size());
     std::vector<cv::Mat> masks(wave.size());
-    const std::size_t done = result.choices.size();
     core::parallel_for(wave.size(), context, [&](std::size_t i) {
-      const auto query = canvas.query(wave[i], run.guide);
-      chosen[i] = done + i < run.placed.size() ? detail::replayed(run.placed[done + i], wave[i], sources)
-                                               : search.choose(query);
+      const auto query = canvas.query(wave[i], guide);
+      chosen[i] = search.choose(query);
       chosen[i].continues = canvas.goes_on(wave[i], chosen[i].at);
       masks[i] = cut_block(search, query, chosen[i].at);
     });
     for (std::size_t i = 0; i < wave.size(); ++i) canvas.put(wave[i], chosen[i].at, masks[i]);
     result.choices.insert(result.choices.end(), chosen.begin(), chosen.end());
-    if (run.keep) run.keep(result.choices);
   }
   if (options.seams == Seams::moving) {
     auto courses = canvas.courses(options.size);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -52,14 +51,6 @@ struct QuiltChoice {
   bool continues = false;     ///< it only extends its left or upper neighbour
 };
 
-struct QuiltRun {
-  cv::Mat guide;  ///< CV_32F of the output's size, or empty
-  /// Blocks placed by an earlier run with the same input and options, in its order: not searched again.
-  std::span<const QuiltChoice> placed;
-  /// Called with all blocks placed so far from time to time; saved blocks survive a cancel.
-  std::function<void(std::span<const QuiltChoice>)> keep;
-};
-
 struct QuiltResult {
   QuiltMap map;                      ///< covers the output
   std::vector<QuiltChoice> choices;  ///< in the order in which they were placed
@@ -75,10 +66,12 @@ struct QuiltResult {
 /// The search works in a basis of rank k whose bounds select the places to compare exactly: it chooses as an
 /// exhaustive search would. With one frame this is quilting of still images.
 ///
+/// `guide`: CV_32F of the output's size, whose levels the sources' guides follow; or empty.
+///
 /// Sources agree in frames, channels and depth, and chunk_frames. Throws InputError where they do not, where
 /// none of them holds a block, or where the mask forbids every place. The same result at any thread count.
 /// O(blocks · (k · pixels + compared · overlap · frames)).
 QuiltResult quilt(std::span<const QuiltSource> sources, const QuiltOptions& options,
-                  const core::Context& context = {}, const QuiltRun& run = {});
+                  const core::Context& context = {}, const cv::Mat& guide = {});
 
 }  // namespace emberfold::dytex

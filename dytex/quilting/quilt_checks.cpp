@@ -29,11 +29,11 @@ void check_masks(std::span<const QuiltSource> sources, const QuiltOptions& optio
 
 }  // namespace
 
-void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& options, const QuiltRun& run) {
+void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& options, const cv::Mat& guide) {
   if (sources.empty()) throw core::InputError("quilting needs a source");
   const Trajectories& first = *sources.front().trajectories;
-  if (!run.guide.empty() && (run.guide.size() != options.size || run.guide.type() != CV_32F))
-    throw core::InputError("the guide is " + core::size_text(run.guide.size()) + " pixels, the output " +
+  if (!guide.empty() && (guide.size() != options.size || guide.type() != CV_32F))
+    throw core::InputError("the guide is " + core::size_text(guide.size()) + " pixels, the output " +
                            core::size_text(options.size));
   bool fits = false;
   for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -51,7 +51,7 @@ void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& opt
         throw core::InputError(name + " has " + core::size_text(one.size()) + " pixels, its " +
                                (picture == &sources[i].guide ? "guide " : "mask ") +
                                core::size_text(picture->size()));
-    if (!run.guide.empty() && sources[i].guide.type() != CV_32F)
+    if (!guide.empty() && sources[i].guide.type() != CV_32F)
       throw core::InputError(name + " has nothing that the guide could be held against");
     fits = fits || (one.size().width >= options.block.width && one.size().height >= options.block.height);
   }
@@ -59,18 +59,6 @@ void check_sources(std::span<const QuiltSource> sources, const QuiltOptions& opt
     throw core::InputError("QuiltOptions.block is " + core::size_text(options.block) +
                            "; the source has only " + core::size_text(first.size()) + " pixels");
   check_masks(sources, options);
-}
-
-QuiltChoice replayed(const QuiltChoice& placed, const QuiltBlock& block,
-                     std::span<const QuiltSource> sources) {
-  const auto& at = placed.at;
-  const bool known = at.source >= 0 && static_cast<std::size_t>(at.source) < sources.size();
-  const cv::Size size =
-      known ? sources[static_cast<std::size_t>(at.source)].trajectories->size() : cv::Size();
-  if (placed.column != block.column || placed.row != block.row || at.x < 0 || at.y < 0 ||
-      at.x + block.place.width > size.width || at.y + block.place.height > size.height)
-    throw core::InputError("the blocks placed earlier do not belong to this quilt");
-  return placed;
 }
 
 }  // namespace emberfold::dytex::detail

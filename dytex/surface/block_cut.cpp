@@ -12,7 +12,7 @@ namespace emberfold::dytex::detail {
 namespace {
 
 constexpr double kLargestError = 1e6;
-constexpr std::int32_t kNever = 1'000'000'000;
+constexpr std::int32_t kNeverCut = 1'000'000'000;
 
 }  // namespace
 
@@ -37,8 +37,8 @@ std::vector<bool> cut_cells(cv::Size block, const std::vector<CellState>& states
   };
   const auto width = static_cast<std::size_t>(block.width);
   for (std::size_t i = 0; i < cells; ++i) {
-    if (states[i] == CellState::empty) cut.add_costs(static_cast<std::int32_t>(i), kNever, 0);
-    if (states[i] == CellState::held) cut.add_costs(static_cast<std::int32_t>(i), 0, kNever);
+    if (states[i] == CellState::empty) cut.add_costs(static_cast<std::int32_t>(i), kNeverCut, 0);
+    if (states[i] == CellState::held) cut.add_costs(static_cast<std::int32_t>(i), 0, kNeverCut);
     if (!borders.empty() && states[i] != CellState::outside)
       cut.add_costs(static_cast<std::int32_t>(i), whole(borders[i].there), whole(borders[i].own));
     if ((i + 1) % width != 0) join(i, i + 1);

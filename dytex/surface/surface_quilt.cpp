@@ -16,7 +16,7 @@ namespace emberfold::dytex {
 
 namespace {
 
-void check_surface_options(const SurfaceLayout& layout, const QuiltOptions& options, const QuiltRun& run) {
+void check_surface_options(const SurfaceLayout& layout, const QuiltOptions& options) {
   options.validate();
   if (options.size != layout.size)
     throw core::InputError("QuiltOptions.size is " + core::size_text(options.size) +
@@ -24,15 +24,14 @@ void check_surface_options(const SurfaceLayout& layout, const QuiltOptions& opti
   if (options.tileable) throw core::InputError("QuiltOptions.tileable is true; a surface allows false alone");
   if (options.seams != Seams::still)
     throw core::InputError("QuiltOptions.seams is moving; a surface allows still alone");
-  if (!run.guide.empty()) throw core::InputError("a quilt on a surface takes no guide");
 }
 
 }  // namespace
 
 SurfaceQuilt quilt_surface(const SurfaceLayout& layout, std::span<const QuiltSource> sources,
-                           const QuiltOptions& options, const core::Context& context, const QuiltRun& run) {
-  check_surface_options(layout, options, run);
-  detail::check_sources(sources, options, run);
+                           const QuiltOptions& options, const core::Context& context) {
+  check_surface_options(layout, options);
+  detail::check_sources(sources, options, {});
   context.report("basis", 0);
   const detail::BlockSearch search(sources, options, detail::joint_size(options.block), options.block,
                                    context);
@@ -43,12 +42,8 @@ SurfaceQuilt quilt_surface(const SurfaceLayout& layout, std::span<const QuiltSou
     context.check();
     context.report("quilt", canvas.share());
     const auto query = canvas.query(*place);
-    const std::size_t done = result.choices.size();
-    result.choices.push_back(done < run.placed.size()
-                                 ? detail::replayed(run.placed[done], query.block, sources)
-                                 : search.choose(query));
+    result.choices.push_back(search.choose(query));
     canvas.put(*place, result.choices.back().at);
-    if (run.keep) run.keep(result.choices);
   }
   result.map = canvas.take_map();
   result.blocks = canvas.take_blocks();

@@ -28,11 +28,10 @@ struct SurfaceQuilt {
 /// of no chart copy the surface beyond the nearest glued edge, up to 8 texels away, then the nearest of a
 /// chart.
 ///
-/// `options.size` must be the layout's. Throws InputError as quilt() does, and for options.tileable,
-/// Seams::moving and a guide. The same result at any thread count.
+/// `options.size` must be the layout's. Throws InputError as quilt() does, and for options.tileable
+/// and Seams::moving. The same result at any thread count.
 /// O(blocks · (k · pixels + compared · overlap · frames)).
 SurfaceQuilt quilt_surface(const SurfaceLayout& layout, std::span<const QuiltSource> sources,
-                           const QuiltOptions& options, const core::Context& context = {},
-                           const QuiltRun& run = {});
+                           const QuiltOptions& options, const core::Context& context = {});
 
 }  // namespace emberfold::dytex

@@ -58,16 +58,15 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
 /// Returns the model of moving strokes with diffusion between them.
 ComparedModel sketch_model(const std::shared_ptr<const StrokeModel>& strokes, std::uint64_t seed,
                            const core::Context& context);
-/// Learns a linear dynamic texture with `components` components from frames reduced by `scale` (0 … 1].
-std::optional<ComparedModel> texture_model(const TrainingInput& input, const KnownModels& known,
-                                           int components, double scale = 1);
+/// Learns a linear dynamic texture.
+std::optional<ComparedModel> texture_model(const TrainingInput& input, const KnownModels& known);
 /// Learns to predict by motion, and returns the model that makes new clips of the clip's own frames.
 std::optional<ComparedModel> footage_model(const TrainingInput& input, const KnownModels& known);
 /// Returns the clip's first part itself, repeated from its most similar frames (a video texture): a baseline
 /// that looks real and contains nothing new.
 ComparedModel loop_model(const TrainingInput& input);
-/// Learns a spatio-temporal auto-regression; `reach` as in dytex::StarOptions.
-std::optional<ComparedModel> star_model(const TrainingInput& input, int reach);
+/// Learns a spatio-temporal auto-regression.
+std::optional<ComparedModel> star_model(const TrainingInput& input);
 
 /// Returns make(), or nothing with a warning that begins with `none` where that fails with core::InputError
 /// or core::NumericalError.

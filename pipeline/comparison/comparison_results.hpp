@@ -130,20 +130,4 @@ struct PredictionMeasures {
   std::vector<MethodPrediction> methods;
 };
 
-/// Holds the quality of one model of one size.
-struct SizeCurvePoint {
-  std::string model, label;  ///< the kind's key; for display
-  std::string size_text;     ///< "4 components", "a patch every 10 px"
-  double parameters = 0;
-  std::optional<FrameQuality> next_frame;  ///< held out; none where the model learned from all frames
-  PixelDistances distances;                ///< of a drawn clip, at most 128 frames, from the source
-};
-
-/// Holds the quality of models against the number of their parameters.
-struct SizeCurve {
-  std::vector<SizeCurvePoint> points;
-  std::optional<std::size_t> motion_model;   ///< the point of the motion model at its default size
-  std::optional<std::size_t> equal_texture;  ///< best linear dynamic texture with no more parameters
-};
-
 }  // namespace emberfold::pipeline

@@ -12,7 +12,6 @@
 #include "pipeline/comparison/clip_profile.hpp"
 #include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/comparison/compared_models.hpp"
-#include "pipeline/comparison/comparison_curve.hpp"
 #include "pipeline/comparison/prediction.hpp"
 #include "pipeline/comparison/visible_measures.hpp"
 
@@ -144,7 +143,6 @@ ModelComparison compare_models(core::FrameSource& source, const CompareOptions& 
   mcmc::StrokeSeries series;
   if (options.in_full) series = stroke_series(sketched.sketch, options.match, context);
   add_results(drawing, options.in_full ? &series : nullptr, context, out);
-  if (options.curve) out.size_curve = measure_size_curve(input, drawing.source.all, out.scale);
   return out;
 }
 

@@ -58,15 +58,13 @@ class Comparison:
 
 class ModelComparison:
     """Distances of clips drawn from a clip's models. `table`: a row a measure; `visible`: what a person sees of each;
-    `predictions`: a row a model and step; `parameters`: numbers that it takes to draw from each; `curve`, with curve=True:
-    quality against the number of parameters."""
+    `predictions`: a row a model and step; `parameters`: numbers that it takes to draw from each."""
 
     def __init__(self, found: Dict[str, Any]):
         self.models, self.noise_floor = found["models"], found["noise_floor"]
         self.frames, self.learned_frames = found["frames"], found["learned_frames"]
         self._visible = found["visible"]
         self.parameters = pd.Series(found["parameters"], name="parameters", dtype=float)
-        self.curve = pd.DataFrame(found["curve"], columns=["model", "size", "parameters", "psnr", "ssim", "temporal_db", "radial_db"])
         self.predictions = pd.DataFrame(found["predictions"], columns=["model", "step", "psnr", "ssim"])
 
     @property

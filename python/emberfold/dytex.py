@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 
 from . import _native
-from ._native import (PRESETS, BinetCauchyOptions, CurveOptions, EmOptions, LearnOptions, LinearDynamicTexture, SynthesisOptions,
+from ._native import (PRESETS, CurveOptions, EmOptions, LearnOptions, LinearDynamicTexture, SynthesisOptions,
                       window_distance)
 from .clip import ClipLike, data_of
 from .progress import Progress, reporter
 
-__all__ = ["PRESETS", "BinetCauchyOptions", "CurveOptions", "EmOptions", "LearnOptions", "LinearDynamicTexture", "SynthesisOptions",
+__all__ = ["PRESETS", "CurveOptions", "EmOptions", "LearnOptions", "LinearDynamicTexture", "SynthesisOptions",
            "distance_matrices", "forecast", "learn", "learn_missing", "learn_region", "learning_curve", "maximise_likelihood",
            "window_distance", "window_spectrum"]
 
@@ -63,11 +63,10 @@ def learning_curve(clip: ClipLike, *, progress: Progress = None, **options: Any)
     return pd.DataFrame(found.pop("points"), columns=["length", "error", "spread", "left_out"]).set_index("length"), found
 
 
-def distance_matrices(textures: List[LinearDynamicTexture], *, progress: Progress = None, **options: Any) -> Dict[str, np.ndarray]:
-    """Distances of all pairs by measure: kl, martin, binet-cauchy, angles, windows; nan where a pair has none (KL without noise r). Arguments are
-    the fields of BinetCauchyOptions."""
+def distance_matrices(textures: List[LinearDynamicTexture], *, progress: Progress = None) -> Dict[str, np.ndarray]:
+    """Distances of all pairs by measure: kl, martin, angles, windows; nan where a pair has none (KL without noise r)."""
     with reporter(progress) as report:
-        return _native.distance_matrices(list(textures), BinetCauchyOptions(**options), report)
+        return _native.distance_matrices(list(textures), report)
 
 
 def window_spectrum(of: Union[ClipLike, LinearDynamicTexture], *, progress: Progress = None) -> Optional[np.ndarray]:

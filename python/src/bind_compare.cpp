@@ -87,18 +87,6 @@ py::list predictions(const pipeline::PredictionMeasures& measured) {
   return rows;
 }
 
-py::list curve_rows(const pipeline::SizeCurve& curve) {
-  py::list rows;
-  for (const auto& point : curve.points) {
-    const auto& quality = point.next_frame;
-    rows.append(py::make_tuple(point.label, point.size_text, point.parameters,
-                               quality ? py::cast(quality->psnr) : py::none(),
-                               quality ? py::cast(quality->ssim) : py::none(), point.distances.temporal_db,
-                               point.distances.radial_db));
-  }
-  return rows;
-}
-
 py::dict compare_models(const ClipData& clip, const pipeline::CompareOptions& options, std::uint64_t seed,
                         const py::object& progress) {
   const auto found = call(progress, [&](const core::Context& context) {
@@ -114,7 +102,6 @@ py::dict compare_models(const ClipData& clip, const pipeline::CompareOptions& op
   result["models"] = models;
   result["visible"] = seen;
   result["parameters"] = parameters;
-  result["curve"] = found.size_curve ? curve_rows(*found.size_curve) : py::list();
   result["noise_floor"] = distances(found.noise_floor);
   result["predictions"] = found.prediction ? predictions(*found.prediction) : py::list();
   result["frames"] = found.frames;

@@ -137,15 +137,7 @@ void bind_options(py::module_& module) {
       .value("separate", dytex::Channels::separate);
   py::enum_<dytex::Method>(module, "Method", doc("dytex::Method"))
       .value("closed_form", dytex::Method::closed_form)
-      .value("n4sid", dytex::Method::n4sid)
-      .value("prediction_error", dytex::Method::prediction_error);
-  py::enum_<dytex::Stable>(module, "Stable", doc("dytex::Stable"))
-      .value("yule_walker", dytex::Stable::yule_walker)
-      .value("soc", dytex::Stable::soc);
-  py::enum_<dytex::Noise>(module, "Noise", doc("dytex::Noise"))
-      .value("normal", dytex::Noise::normal)
-      .value("resampled", dytex::Noise::resampled)
-      .value("independent", dytex::Noise::independent);
+      .value("n4sid", dytex::Method::n4sid);
   using Learn = dytex::LearnOptions;
   OptionsClass<Learn>(module, "LearnOptions", "dytex::LearnOptions")
       .described_fields()
@@ -154,8 +146,6 @@ void bind_options(py::module_& module) {
       .field("channels", &Learn::channels)
       .field("lags", &Learn::lags)
       .field("method", &Learn::method)
-      .field("stable", &Learn::stable)
-      .field("noise", &Learn::noise)
       .field("noise_rank", &Learn::noise_rank)
       .field("memory", &Learn::memory)
       .finish();
@@ -180,8 +170,6 @@ void bind_values(py::class_<Texture>& texture) {
   add("B", &Texture::B);
   add("r", &Texture::r);
   add("noise", &Texture::noise);
-  add("residuals", &Texture::residuals);
-  add("marginals", &Texture::marginals);
   add("noise_share", &Texture::noise_share);
   add("states", &Texture::states);
   add("singular", &Texture::singular);

@@ -61,10 +61,9 @@ py::tuple quilt(const ClipData& clip, const dytex::QuiltOptions& options, const 
   const auto source = read(clip, progress);
   dytex::QuiltSource part{&source, {}, guide_of(guide, "guide")};
   if (!forbidden.is_none()) part.forbidden = to_mask(forbidden.cast<py::array>(), "forbidden");
-  dytex::QuiltRun run;
-  run.guide = guide_of(output_guide, "output_guide");
+  const cv::Mat wanted = guide_of(output_guide, "output_guide");
   const auto result = call(progress, [&](const core::Context& context) {
-    return dytex::quilt(std::array{part}, options, context, run);
+    return dytex::quilt(std::array{part}, options, context, wanted);
   });
   return py::make_tuple(render(result.map, source, progress), map_array(result.map));
 }

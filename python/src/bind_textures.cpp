@@ -101,11 +101,9 @@ py::dict learning_curve(const ClipData& clip, const dytex::CurveOptions& options
 }
 
 /// Square matrices of the distances of all pairs, by the name of their measure.
-py::dict distance_matrices(const std::vector<Texture>& textures, const dytex::BinetCauchyOptions& options,
-                           const py::object& progress) {
-  const auto pairs = call(progress, [&](const core::Context& context) {
-    return dytex::all_distances(textures, options, context);
-  });
+py::dict distance_matrices(const std::vector<Texture>& textures, const py::object& progress) {
+  const auto pairs =
+      call(progress, [&](const core::Context& context) { return dytex::all_distances(textures, context); });
   py::dict matrices;
   for (const auto measure : dytex::kMeasures) {
     matrices[dytex::name(measure)] = dytex::distance_matrix(pairs, measure);
@@ -144,11 +142,6 @@ void bind_learning(py::module_& module) {
 }
 
 void bind_distances(py::module_& module) {
-  using Kernel = dytex::BinetCauchyOptions;
-  OptionsClass<Kernel>(module, "BinetCauchyOptions", "dytex::BinetCauchyOptions")
-      .field("discount", &Kernel::discount)
-      .field("first_frame", &Kernel::first_frame)
-      .finish();
   module.def(
       "window_spectrum_of_model", [](const Texture& texture) { return dytex::window_spectrum(texture); },
       py::arg("texture"), py::call_guard<py::gil_scoped_release>(), doc("dytex::WindowSpectrum"));
@@ -164,8 +157,8 @@ void bind_distances(py::module_& module) {
       "window_distance",
       [](const Eigen::VectorXd& p, const Eigen::VectorXd& q) { return dytex::window_distance(p, q); },
       py::arg("p"), py::arg("q"), doc("dytex::window_distance"));
-  module.def("distance_matrices", distance_matrices, py::arg("textures"), py::arg("options") = Kernel{},
-             py::arg("progress") = py::none(), doc("dytex::all_distances"));
+  module.def("distance_matrices", distance_matrices, py::arg("textures"), py::arg("progress") = py::none(),
+             doc("dytex::all_distances"));
 }
 
 void bind_regions(py::module_& module) {

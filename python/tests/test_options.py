@@ -19,6 +19,6 @@ def test_every_field_of_the_options_is_there():
         assert getattr(ef, name).FIELDS, name
         for field in getattr(ef, name).FIELDS:
             assert getattr(getattr(ef, name), field).__doc__, (name, field)
-    for name in ("LearnOptions", "SynthesisOptions", "EmOptions", "CurveOptions", "BinetCauchyOptions"):
+    for name in ("LearnOptions", "SynthesisOptions", "EmOptions", "CurveOptions"):
         told = {text.rsplit("::", 1)[1] for text in TEXTS if text.startswith(f"dytex::{name}::")} - {"validate"}
         assert not told - set(getattr(ef.dytex, name).FIELDS), name

@@ -49,7 +49,7 @@ before(async () => {
   const small = ["--scale", "0.2", "--range", "0:40"];
   models.colour = learn("colour", "builtin:fire", "-n", "18", ...small);
   models.grey = learn("grey", "builtin:river", "--grey", "-n", "8", "--lags", "2", ...small);
-  models.each = learn("each", "builtin:fire", "-n", "6", "--channels", "separate", "--set", "learn.noise=resampled", ...small);
+  models.each = learn("each", "builtin:fire", "-n", "6", "--channels", "separate", ...small);
   models.still = learn("still model's", stillClip("clip", 24, 20, 4, 90), "-n", "3");
 });
 after(async () => {

@@ -246,27 +246,6 @@ TEST_CASE("A longer state goes on from what is expected beside the shown one", "
   CHECK(synthesis.state().tail(3) == first.head(3));
 }
 
-TEST_CASE("Residuals are drawn in place of normal noise", "[dytex][synthesize]") {
-  dytex::LinearDynamicTexture texture = small_system();
-  texture.residuals = test::normals(2, 7, 9);
-  dytex::Synthesis synthesis(texture, {});
-  synthesis.next();
-  Eigen::VectorXd before = synthesis.state();
-  Eigen::VectorXi seen = Eigen::VectorXi::Zero(7);
-  for (int t = 0; t < 700; ++t) {
-    synthesis.next();
-    const Eigen::VectorXd step = synthesis.state() - texture.A * before;
-    Eigen::Index nearest = 0;
-    const double off =
-        (texture.B * texture.residuals).colwise().operator-(step).colwise().norm().minCoeff(&nearest);
-    CHECK(off < 1e-9);
-    ++seen[nearest];
-    before = synthesis.state();
-  }
-  CHECK(seen.minCoeff() > 60);
-  CHECK(seen.maxCoeff() < 145);
-}
-
 TEST_CASE("Noise may differ from value to value", "[dytex][synthesize]") {
   dytex::LinearDynamicTexture texture = small_system();
   texture.mean.setConstant(128);

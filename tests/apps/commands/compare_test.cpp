@@ -126,24 +126,6 @@ TEST_CASE("compare draws clips of any length and predicts with what it may learn
   const auto whole = run({"--set", "compare.learn_share=1"});
   CHECK(whole["prediction"].is_null());
   CHECK(whole["learned_frames"] == 24);
-  const auto curve = run({"--set", "compare.curve=true", "--set", "learn.components=4"})["size_curve"];
-  std::map<std::string, std::vector<double>> sizes;
-  for (const auto& point : curve["points"]) {
-    sizes[point["model"].get<std::string>()].push_back(point["parameters"].get<double>());
-    CHECK(point["psnr"] > 5);
-    CHECK(point["temporal_db"] >= 0);
-  }
-  // Patches twice as far apart: about half as many numbers beside maps and backdrop.
-  REQUIRE(sizes["motion_model"].size() == 3);
-  CHECK(sizes["motion_model"][1] < 0.9 * sizes["motion_model"][0]);
-  CHECK(sizes["motion_model"][1] - sizes["motion_model"][2] <
-        0.7 * (sizes["motion_model"][0] - sizes["motion_model"][1]));
-  CHECK(curve["points"][1]["what"] == "a patch every 10 px");
-  CHECK(sizes["linear_dynamic_texture"].size() == 12);
-  CHECK(sizes["star"].size() == 3);
-  CHECK(std::ranges::is_sorted(sizes["star"]));
-  const auto& equal = curve["equal"]["linear_dynamic_texture"];
-  CHECK((equal.is_null() || equal["parameters"] <= curve["equal"]["parameters"]));
 }
 
 TEST_CASE("two clips are compared and their distances hold what they should") {

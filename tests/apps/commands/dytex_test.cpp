@@ -165,8 +165,6 @@ TEST_CASE("what a model is learned by is asked for by words and told in the summ
   CHECK(lags["texture"]["components"] == 4);
   CHECK(lags["texture"]["order"] == 8);
   CHECK(learn({"--method", "n4sid", "-n", "3"})["learning"]["transition"] == "n4sid");
-  CHECK(learn({"--method", "pem", "-n", "3"})["learning"]["transition"] == "prediction_error");
-  CHECK(learn({"--set", "learn.noise=resampled", "-n", "3"})["texture"]["residuals"] == 59);
   const Json ranked = learn({"--set", "learn.noise_rank=2", "-n", "6"});
   CHECK(ranked["texture"]["noise_inputs"] == 2);
   CHECK(ranked["texture"]["noise_share"] < 1);
@@ -174,8 +172,6 @@ TEST_CASE("what a model is learned by is asked for by words and told in the summ
   CHECK(ranked["options"]["learn"]["noise_rank"] == 2);
   CHECK(contains(run_command({"dytex", "info", (temp / "model").string()}).out, "driven by 2 noises, with "));
   CHECK(learn({"-n", "6"})["texture"]["noise_share"] == 1);
-  CHECK(learn({"--set", "learn.noise=independent", "-n", "2"})["options"]["learn"]["noise"] == "independent");
-  CHECK(learn({"--set", "learn.stable=soc", "-n", "3"})["options"]["learn"]["stable"] == "soc");
 }
 
 TEST_CASE("short clips get fewer components unless more were asked for") {
@@ -204,7 +200,6 @@ TEST_CASE("what dytex cannot take is refused in one line") {
   learn({clip, "-n", "3", "--set", "learn.noise_rank=-1"}, 2, {"learn.noise_rank is -1", "0 to 3"});
   learn({clip, "--set", "learn.noise_rank=6"}, 2, {"learn.noise_rank is 6", "0 to 5"});
   learn({clip, "-n", "3", "--em", "--set", "learn.noise_rank=1"}, 2, {"EM", "learn.noise_rank=0"});
-  learn({clip, "-n", "3", "--set", "learn.noise=laplace"}, 2, {"learn.noise", "laplace", "independent"});
   learn({clip, "-n", "2.5"}, 2, {"components", "2.5"});
   learn({clip, "-n", "3", "--energy", "0.9"}, 2, {"--energy", "--components"});
   learn({clip, "--energy", "0"}, 2, {"--energy", "0"});
@@ -215,11 +210,8 @@ TEST_CASE("what dytex cannot take is refused in one line") {
   learn({clip, "--order", "held-out"}, 2, {"order", "at least 10", "6"});
   learn({clip, "--lags", "0"}, 2, {"--lags", "0", "1 to 16"});
   learn({clip, "--lags", "2", "-n", "3"}, 2, {"lags", "at least 8 frames", "6"});
-  learn({clip, "--lags", "2", "--set", "learn.stable=soc"}, 2, {"--lags", "soc"});
-  learn({clip, "--method", "pem", "-n", "2"}, 2, {"method", "at least 10 frames", "6"});
   learn({clip, "--method", "magic"}, 2, {"--method", "magic", "n4sid"});
   learn({clip, "--channels", "both"}, 2, {"--channels", "both"});
-  learn({clip, "--set", "learn.noise=loud"}, 2, {"learn.noise", "loud", "normal, resampled"});
   learn({clip, "--set", "learn.block=-1"}, 2, {"learn.block", "-1", "0"});
   learn({one}, 1, {"one", "at least two"});
   learn({one, "--energy", "0.9"}, 1, {"one", "at least two"});

@@ -90,23 +90,6 @@ TEST_CASE("quilt lays a time-lapse over a mesh and its map takes other stacks th
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a quilt on a mesh that was stopped goes on with the same mesh alone") {
-  const TempFolder temp;
-  const auto clip = write_stack(temp / "colours", false, 1);
-  const auto mesh = write_text(temp / "cube.obj", cube_obj());
-  const auto options = joined(kTexture, {"--set", "quilt.surface=" + mesh}, {});
-  laid(clip, temp / "whole", options);
-  CommandOptions stop;
-  stop.interrupt_if = [&] { return fs::exists(temp / "out/quilt.part.json"); };
-  const auto command = joined({"quilt", clip, "-o", (temp / "out").string(), "-q"}, options, {});
-  REQUIRE(run_command(joined(command, {"--frames", "3000"}, {}), stop).exit == 130);
-  write_text(mesh, two_charts_obj());
-  check_one_line(joined(command, {"--resume"}, {}), 1, {"begun with other options"});
-  write_text(mesh, cube_obj());
-  laid(clip, temp / "out", joined(options, {"--resume"}, {}));
-  CHECK(bytes_of(temp / "out/map.npy") == bytes_of(temp / "whole/map.npy"));
-}
-
 TEST_CASE("meshes and options that do not go together are refused in one line") {
   const TempFolder temp;
   const auto clip = write_stack(temp / "colours", false, 1);

@@ -199,46 +199,6 @@ TEST_CASE("quilt writes the same bytes at any number of threads and from a file"
     CHECK_FALSE(entry.path().filename().string().starts_with("."));
 }
 
-TEST_CASE("an interrupted quilt keeps its blocks for the same options alone") {
-  const TempFolder temp;
-  const auto clip = write_lapse(temp / "lapse", {72, 64}, 40);
-  const std::vector<std::string> slow{"--size", "1600x1600", "--block", "16", "-q"};
-  const auto part = temp / "out/quilt.part.json";
-  CommandOptions options;
-  options.interrupt_if = [&] { return fs::exists(part); };
-  const auto stopped = run_command(joined({"quilt", clip, "-o", (temp / "out").string()}, slow, {}), options);
-  REQUIRE(stopped.exit == 130);
-  CHECK(contains(stopped.err, "--resume goes on"));
-  REQUIRE(fs::exists(part));
-  CHECK_FALSE(Json::parse(bytes_of(part))["blocks"].empty());
-  // Other options do not go on from there, nor does a damaged file.
-  const auto command =
-      joined({"quilt", clip, "-o", (temp / "out").string()}, slow, {"--resume", "--tileable"});
-  CHECK(contains(run_command(command).err, "begun with other options"));
-  std::ofstream(part) << "{";
-  check_one_line(command, 1, {"quilt.part.json", "damaged"});
-}
-
-TEST_CASE("a resumed quilt is the one that was never stopped") {
-  const TempFolder temp;
-  const auto clip = write_lapse(temp / "lapse");
-  quilted(clip, temp / "whole", kSmall);
-  // A run that is stopped while it draws leaves all its blocks.
-  CommandOptions options;
-  options.interrupt_if = [&] { return fs::exists(temp / "out/quilt.part.json"); };
-  const auto stopped = run_command(
-      joined({"quilt", clip, "-o", (temp / "out").string(), "-q"}, {"--frames", "3000"}, kSmall), options);
-  REQUIRE(stopped.exit == 130);
-  REQUIRE(fs::exists(temp / "out/quilt.part.json"));
-  const auto resumed =
-      run_command(joined({"quilt", clip, "-o", (temp / "out").string(), "--resume"}, kSmall, {}));
-  INFO(resumed.err);
-  CHECK(resumed.exit == 0);
-  CHECK(contains(resumed.err, "were placed before"));
-  CHECK(bytes_of(temp / "out/map.npy") == bytes_of(temp / "whole/map.npy"));
-  CHECK_FALSE(fs::exists(temp / "out/quilt.part.json"));
-}
-
 TEST_CASE("control maps of every kind steer time") {
   const TempFolder temp;
   const auto clip = write_lapse(temp / "lapse");

@@ -241,13 +241,12 @@ TEST_CASE("Distances of clips' windows take the place of the models'", "[dytex][
   CHECK(*own[1].windows == *dytex::distances(models[0], models[1]).windows);
   CHECK(*own[0].windows == 0);
   CHECK(*dytex::all_distances(std::vector{models[1], models[0]})[1].windows == *own[1].windows);
-  CHECK(*dytex::all_distances(models, {}, {}, windows)[1].windows == 2);
+  CHECK(*dytex::all_distances(models, {}, windows)[1].windows == 2);
   windows[0].reset();
-  const auto lacking = dytex::all_distances(models, {}, {}, windows);
+  const auto lacking = dytex::all_distances(models, {}, windows);
   CHECK_FALSE(lacking[0].windows);
   CHECK_FALSE(lacking[1].windows);
   CHECK(*lacking[2].windows == 0);
   windows.pop_back();
-  CHECK_FALSE(
-      test::message_of<core::InputError>([&] { dytex::all_distances(models, {}, {}, windows); }).empty());
+  CHECK_FALSE(test::message_of<core::InputError>([&] { dytex::all_distances(models, {}, windows); }).empty());
 }

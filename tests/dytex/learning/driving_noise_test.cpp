@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What drives a texture: noise of fewer directions than the state has, and noise that is not normal.
+// What drives a texture: noise of fewer directions than the state has.
 #include <cmath>
-#include <numbers>
 
 #include "core/error.hpp"
 #include "dytex/distances/distances.hpp"
 #include "dytex/editing/edit.hpp"
 #include "dytex/estimation/forecast.hpp"
 #include "dytex/learn.hpp"
-#include "dytex/learning/independent_noise.hpp"
 #include "dytex/model/archive.hpp"
 #include "dytex/model/compression.hpp"
 #include "dytex/synthesize.hpp"
@@ -23,23 +21,8 @@ using namespace emberfold::test;
 namespace {
 
 using dytex::LinearDynamicTexture;
-using NoiseLaw = double (*)(core::Rng&);
 
 constexpr int kDrivenWidth = 12, kDrivenHeight = 10;
-
-double normal_law(core::Rng& rng) {
-  return rng.normal();
-}
-/// Kurtosis 6.
-double laplace_law(core::Rng& rng) {
-  const double u = rng.uniform(-0.5, 0.5);
-  return -std::copysign(std::log(1 - 2 * std::abs(u)), u) / std::numbers::sqrt2;
-}
-/// A spike of one sign in one frame of twelve, in normal noise a tenth as strong: skewed, kurtosis some 20.
-double spike_law(core::Rng& rng) {
-  const double spike = rng.uniform() < 1 / 12.0 ? 3.4 : 0;
-  return spike - 3.4 / 12 + 0.1 * rng.normal();
-}
 
 /// A clip of levels driven by a system of four states and two inputs of variance 1.
 struct Driven {
@@ -47,7 +30,7 @@ struct Driven {
   core::Clip clip;
 };
 
-Driven driven_clip(NoiseLaw law, int frames, double frame_noise = 0, std::uint64_t seed = 3) {
+Driven driven_clip(int frames, double frame_noise = 0, std::uint64_t seed = 3) {
   constexpr Eigen::Index kValues = Eigen::Index{kDrivenWidth} * kDrivenHeight;
   Driven made;
   made.C = orthonormal(kValues, 4, 7);
@@ -63,7 +46,7 @@ Driven driven_clip(NoiseLaw law, int frames, double frame_noise = 0, std::uint64
   Eigen::MatrixXd levels(kValues, frames);
   for (int t = -100; t < frames; ++t) {
     Eigen::Vector2d v;
-    for (double& one : v) one = law(rng);
+    for (double& one : v) one = rng.normal();
     x = (made.A * x + made.B * v).eval();
     if (t < 0) continue;
     levels.col(t) = (made.C * x).array() + 128;
@@ -73,13 +56,11 @@ Driven driven_clip(NoiseLaw law, int frames, double frame_noise = 0, std::uint64
   return made;
 }
 
-LinearDynamicTexture learned_from(const core::Clip& clip, int rank,
-                                  dytex::Noise noise = dytex::Noise::normal) {
+LinearDynamicTexture learned_from(const core::Clip& clip, int rank) {
   core::ClipSource source(clip);
   dytex::LearnOptions options;
   options.components = 4;
   options.noise_rank = rank;
-  options.noise = noise;
   return dytex::learn(source, options).texture;
 }
 
@@ -97,33 +78,11 @@ Eigen::MatrixXd drawn_innovations(const LinearDynamicTexture& texture, int frame
   return result;
 }
 
-/// The mean kurtosis of independent inputs of this covariance I, from (Σ v²)², whatever their rotation: E (Σ
-/// v²)² = k (k − 1) + Σ kurtosis (Mardia 1970).
-double mean_kurtosis(const Eigen::MatrixXd& v) {
-  const auto k = static_cast<double>(v.rows());
-  return (v.colwise().squaredNorm().array().square().mean() - k * (k - 1)) / k;
-}
-
-/// The kurtosis of what drove a clip, as a model learned of it sees it.
-double clip_kurtosis(const core::Clip& clip) {
-  return mean_kurtosis(learned_from(clip, 2, dytex::Noise::resampled).residuals);
-}
-
-core::Clip drawn_clip(const LinearDynamicTexture& texture, int frames) {
-  dytex::Synthesis synthesis(texture, {});
-  core::Clip clip{texture.info, {}};
-  clip.info.depth = CV_8U;
-  clip.info.white = 255;
-  clip.info.frames = frames;
-  for (int t = 0; t < frames; ++t) clip.frames.push_back(synthesis.next());
-  return clip;
-}
-
 }  // namespace
 
 TEST_CASE("Noise of two directions is found with rank two", "[dytex][noise]") {
   constexpr int kFrames = 900;
-  const Driven truth = driven_clip(normal_law, kFrames);
+  const Driven truth = driven_clip(kFrames);
   const LinearDynamicTexture texture = learned_from(truth.clip, 2);
   REQUIRE(texture.B.cols() == 2);
   CHECK(texture.B.rows() == 4);
@@ -140,7 +99,7 @@ TEST_CASE("Noise of two directions is found with rank two", "[dytex][noise]") {
 }
 
 TEST_CASE("The rank's share is that of the strongest directions of the residuals", "[dytex][noise]") {
-  const Driven truth = driven_clip(normal_law, 500, 6);
+  const Driven truth = driven_clip(500, 6);
   const LinearDynamicTexture full = learned_from(truth.clip, 0);
   REQUIRE(full.B.cols() == 4);
   CHECK(full.noise_share == 1);
@@ -161,11 +120,11 @@ TEST_CASE("The rank's share is that of the strongest directions of the residuals
 }
 
 TEST_CASE("All that a texture is for goes with noise of few directions", "[dytex][noise]") {
-  const Driven truth = driven_clip(normal_law, 400, 3);
+  const Driven truth = driven_clip(400, 3);
   const LinearDynamicTexture texture = learned_from(truth.clip, 2);
   CHECK(same(dytex::linear_dynamic_texture(dytex::to_archive(texture)), texture));
   // KL: another model of the same law is nearer than another system; of itself it is 0.
-  const LinearDynamicTexture again = learned_from(driven_clip(normal_law, 400, 3, 77).clip, 2);
+  const LinearDynamicTexture again = learned_from(driven_clip(400, 3, 77).clip, 2);
   LinearDynamicTexture other = texture;
   other.A *= 0.5;
   CHECK(dytex::kl_rate(texture, texture) == 0);
@@ -195,7 +154,7 @@ TEST_CASE("All that a texture is for goes with noise of few directions", "[dytex
 }
 
 TEST_CASE("A rank of the noise that cannot be is refused, one above all is told", "[dytex][noise]") {
-  const Driven truth = driven_clip(normal_law, 60);
+  const Driven truth = driven_clip(60);
   core::ClipSource source(truth.clip);
   dytex::LearnOptions options;
   options.components = 4;
@@ -217,138 +176,10 @@ TEST_CASE("A rank of the noise that cannot be is refused, one above all is told"
   CHECK(learned.texture.noise_share == 1);
 }
 
-TEST_CASE("Independent inputs are found in their mixture", "[dytex][noise]") {
-  // Three that are not normal, two that are, mixed by a rotation.
-  constexpr Eigen::Index kInputs = 5, kSamples = 2000;
-  core::Rng rng(4);
-  Eigen::MatrixXd sources(kInputs, kSamples);
-  for (Eigen::Index t = 0; t < kSamples; ++t)
-    sources.col(t) << laplace_law(rng), spike_law(rng), rng.normal(), rng.uniform(-1.7, 1.7), rng.normal();
-  sources.colwise() -= sources.rowwise().mean().eval();
-  const Eigen::MatrixXd covariance = sources * sources.transpose() / double(kSamples);
-  const Eigen::MatrixXd white = inverse(cholesky_factor(covariance)) * sources;
-  const Eigen::MatrixXd mixing = orthonormal(kInputs, kInputs, 6);
-  const auto found = dytex::detail::independent_noise(mixing * white);
-  REQUIRE(found.has_value());
-  REQUIRE(found->marginals.rows() == 3);
-  CHECK((found->turn * found->turn.transpose()).isIdentity(1e-10));
-  // Each is one of the three sources, up to sign, and each another.
-  const Eigen::MatrixXd matched = (found->turn * mixing).cwiseAbs().topRows(3);
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    Eigen::Index source = 0;
-    CHECK(matched.row(i).maxCoeff(&source) > 0.98);
-    CHECK((source == 0 || source == 1 || source == 3));
-    CHECK(matched.col(source).maxCoeff() == matched(i, source));
-  }
-  for (const auto& row : found->marginals.rowwise()) {
-    const Eigen::Index gaps = row.size() - 1;
-    const Eigen::ArrayXd low = row.head(gaps).transpose().array(), high = row.tail(gaps).transpose().array();
-    CHECK((low <= high).all());
-    CHECK_THAT((low + high).mean() / 2, WithinAbs(0, 1e-12));
-    CHECK_THAT((low.square() + low * high + high.square()).mean() / 3, WithinRel(1.0, 1e-12));
-  }
-}
-
-TEST_CASE("Normal noise is hardly ever taken for another", "[dytex][noise]") {
-  // At most one clip in twenty; of forty, four or more by chance in one of seven.
-  int alarms = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    Eigen::MatrixXd v = normals(6, 240, seed);
-    v.colwise() -= v.rowwise().mean().eval();
-    v = (inverse(cholesky_factor(v * v.transpose() / double(v.cols()))) * v).eval();
-    if (dytex::detail::independent_noise(v)) ++alarms;
-  }
-  CHECK(alarms <= 3);
-}
-
-TEST_CASE("The gain over the normal law is that of the laws themselves", "[dytex][noise]") {
-  // The divergence of a Laplace law from the normal of its variance is log(2π)/2 + 1/2 − 1 − log(2)/2 nats.
-  constexpr Eigen::Index kSamples = 40000;
-  core::Rng rng(8);
-  Eigen::VectorXd first(kSamples), second(kSamples);
-  for (double& x : first) x = laplace_law(rng);
-  for (double& x : second) x = laplace_law(rng);
-  const double expected = std::log(2 * std::numbers::pi) / 2 - 0.5 - std::log(2.0) / 2;
-  CHECK_THAT(dytex::detail::gain_over_normal(first, second) / double(kSamples), WithinAbs(expected, 0.01));
-  for (double& x : first) x = rng.normal();
-  for (double& x : second) x = rng.normal();
-  CHECK_THAT(dytex::detail::gain_over_normal(first, second) / double(kSamples), WithinAbs(0, 1e-3));
-}
-
-TEST_CASE("A texture driven by spikes keeps their kurtosis", "[dytex][noise]") {
-  constexpr int kFrames = 600;
-  for (const NoiseLaw law : {&laplace_law, &spike_law}) {
-    const core::Clip clip = driven_clip(law, kFrames).clip;
-    const double source = clip_kurtosis(clip);
-    const auto independent = learned_from(clip, 2, dytex::Noise::independent);
-    const auto normal = learned_from(clip, 2);
-    REQUIRE(independent.marginals.rows() == 2);
-    CHECK(independent.A == normal.A);
-    // The same covariance, turned.
-    CHECK((independent.B * independent.B.transpose() - normal.B * normal.B.transpose()).norm() <
-          1e-12 * normal.B.squaredNorm());
-    const double kept = clip_kurtosis(drawn_clip(independent, kFrames));
-    const double lost = clip_kurtosis(drawn_clip(normal, kFrames));
-    CAPTURE(source, kept, lost);
-    CHECK(source > 4.5);
-    CHECK_THAT(kept, WithinRel(source, 0.25));
-    CHECK_THAT(lost, WithinAbs(3, 0.3));
-  }
-}
-
-TEST_CASE("Of normal noise the model is the same to the bit", "[dytex][noise]") {
-  const core::Clip clip = driven_clip(normal_law, 500).clip;
-  CHECK(same(learned_from(clip, 2, dytex::Noise::independent), learned_from(clip, 2)));
-  core::ClipSource source(clip);
-  dytex::LearnOptions options;
-  options.components = 4;
-  options.noise = dytex::Noise::independent;
-  const auto learned = dytex::learn(source, options);
-  CHECK(std::ranges::any_of(learned.notes, [](const std::string& note) {
-    return note.find("cannot be told from normal noise") != std::string::npos;
-  }));
-}
-
-TEST_CASE("Marginals come back from their archive, and broken ones are refused", "[dytex][noise]") {
-  const auto texture = learned_from(driven_clip(laplace_law, 700).clip, 2, dytex::Noise::independent);
-  REQUIRE(texture.marginals.size() > 0);
-  const core::ModelArchive archive = dytex::to_archive(texture);
-  CHECK(archive.text.find("\"version\": 3") != std::string::npos);
-  CHECK(same(dytex::linear_dynamic_texture(archive), texture));
-  CHECK(same(dytex::rounded(texture, dytex::Precision::f32), texture));
-  // A model without them is of version 2, which programs before this one read.
-  LinearDynamicTexture plain = texture;
-  plain.marginals.resize(0, 0);
-  const core::ModelArchive old = dytex::to_archive(plain);
-  CHECK(old.text.find("\"version\": 2") != std::string::npos);
-  CHECK(same(dytex::linear_dynamic_texture(old), plain));
-  const auto reason = [&](const std::function<void(core::ModelArchive&)>& spoil) {
-    core::ModelArchive broken = archive;
-    spoil(broken);
-    return message_of<core::IoError>([&] { dytex::linear_dynamic_texture(broken); });
-  };
-  const auto say = [](core::ModelArchive& a, const std::string& from, const std::string& to) {
-    a.text.replace(a.text.find(from), from.size(), to);
-  };
-  CHECK(reason([&](auto& a) { a.arrays.erase("marginals"); }) == "model: the array marginals is missing");
-  CHECK(reason([&](auto& a) {
-          say(a, "\"marginals\": 2", "\"marginals\": 3");
-        }).starts_with("model: \"marginals\" is \"3\", must be a whole number from 1 to 2"));
-  CHECK(reason([&](auto& a) {
-          say(a, "\"quantiles\": ", "\"quantiles\": 1");
-        }).starts_with("model: the array marginals has the shape"));
-  CHECK(reason([&](auto& a) {
-          say(a, "\"version\": 3", "\"version\": 4");
-        }).starts_with("model: version 4 is newer than 3"));
-  CHECK(reason([&](auto& a) { std::get<std::vector<double>>(a.arrays.at("marginals").data)[1] = 1e9; }) ==
-        "model: texture: marginals has a row that falls");
-  LinearDynamicTexture both = texture;
-  both.residuals = normals(2, 5, 1);
+TEST_CASE("A share of the noise that cannot be is refused", "[dytex][noise]") {
+  LinearDynamicTexture texture = learned_from(driven_clip(60).clip, 2);
+  texture.noise_share = 0;
   CHECK(message_of<core::InputError>([&] {
-          dytex::validate(both);
-        }).starts_with("texture: marginals are there beside residuals"));
-  both = texture;
-  both.noise_share = 0;
-  CHECK(
-      message_of<core::InputError>([&] { dytex::validate(both); }).starts_with("texture: noise_share is 0"));
+          dytex::validate(texture);
+        }).starts_with("texture: noise_share is 0"));
 }

@@ -61,7 +61,6 @@ TEST_CASE("All that a texture may have comes back from its archive", "[dytex][ar
   dytex::LinearDynamicTexture texture = learned(3, CV_8U);
   texture.weights << 1, 0.5, -2, 0;
   texture.noise = Eigen::VectorXf::LinSpaced(texture.pixels(), 0, 9);
-  texture.residuals = test::normals(texture.B.cols(), 19, 1);
   texture.channels = Eigen::Vector4i(0, 2, 1, 0);
   texture.singular = Eigen::VectorXd::LinSpaced(60, 59, 0);
   Eigen::MatrixXd longer = Eigen::MatrixXd::Zero(8, 8);  // a second lag
@@ -113,15 +112,13 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
       {"model: \"format\" is \"emberfold.motion_model\", must be \"emberfold.linear_dynamic_texture\"",
        [](auto& a) { replace(a, "emberfold.linear_dynamic_texture", "emberfold.motion_model"); }},
       {"model: \"format\" must be a text", [](auto& a) { a.text = R"({"format":1})"; }},
-      {"model: version 4 is newer than 3, the newest that can be read",
+      {"model: version 4 is newer than 2, the newest that can be read",
        [](auto& a) { replace(a, "\"version\": 2", "\"version\": 4"); }},
       {"model: the array weights is missing", [](auto& a) { a.arrays.erase("weights"); }},
       {"model: the array noise is missing",
        [](auto& a) { replace(a, "\"noise_per_value\": false", "\"noise_per_value\": true"); }},
       {"model: \"noise_per_value\" must be true or false",
        [](auto& a) { replace(a, "\"noise_per_value\": false", "\"noise_per_value\": 1"); }},
-      {"model: the array residuals is missing",
-       [](auto& a) { replace(a, "\"residuals\": 0", "\"residuals\": 19"); }},
       {"model: texture: A is 3 × 3 for 4 components, must be at least 4 × 4",
        [](auto& a) {
          replace(a, "\"order\": 4", "\"order\": 3");
@@ -131,11 +128,11 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
          a.arrays["states"] = {{3, 20}, true, std::vector<double>(60)};
        }},
       {"model: \"component_channels\" must be a list of 4 numbers",
-       [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0])"); }},
+       [](auto& a) { replace(a, "\"order\": 4", R"("order": 4, "component_channels": [0])"); }},
       {"model: \"component_channels\" is \"7\", must be a whole number from 0 to 2",
-       [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0,0,0,7])"); }},
+       [](auto& a) { replace(a, "\"order\": 4", R"("order": 4, "component_channels": [0,0,0,7])"); }},
       {"model: texture: channels has the value 1; allowed is 0 to 0",
-       [](auto& a) { replace(a, "\"residuals\": 0", R"("residuals": 0, "component_channels": [0,0,0,1])"); }},
+       [](auto& a) { replace(a, "\"order\": 4", R"("order": 4, "component_channels": [0,0,0,1])"); }},
       {"model: model.json has no \"width\"", [](auto& a) { replace(a, "\"width\"", "\"breadth\""); }},
       {"model: \"width\" is \"65537\", must be a whole number from 1 to 65536",
        [](auto& a) { replace(a, "\"width\": 9", "\"width\": 65537"); }},
@@ -221,9 +218,6 @@ TEST_CASE("A texture that is not valid is not kept", "[dytex][archive]") {
   CHECK(complaint(bad) == "texture: noise has a negative value");
   bad.noise = Eigen::VectorXf::Ones(62);
   CHECK(complaint(bad) == "texture: noise is 62 × 1, must be 63 × 1");
-  bad = texture;
-  bad.residuals = Eigen::MatrixXd::Zero(3, 19);
-  CHECK(complaint(bad) == "texture: residuals is 3 × 19, must be 4 × 19");
   bad = texture;
   bad.A = Eigen::MatrixXd::Identity(4, 4);
   CHECK(complaint(bad) == "texture: A has the spectral radius 1.000000, must be below 1");

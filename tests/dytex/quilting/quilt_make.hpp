@@ -48,10 +48,9 @@ inline dytex::Trajectories held(const core::Clip& clip) {
   return trajectories;
 }
 
-inline dytex::QuiltResult quilted(const dytex::Trajectories& source, const dytex::QuiltOptions& options,
-                                  const dytex::QuiltRun& run = {}) {
+inline dytex::QuiltResult quilted(const dytex::Trajectories& source, const dytex::QuiltOptions& options) {
   const std::vector<dytex::QuiltSource> sources{{&source, {}, {}}};
-  return dytex::quilt(sources, options, {}, run);
+  return dytex::quilt(sources, options);
 }
 
 }  // namespace emberfold::test

@@ -163,15 +163,13 @@ TEST_CASE("a guide leads blocks to where the source is like it") {
   const std::vector<dytex::QuiltSource> sources{{&source, {}, own}};
   auto options = small_options();
   options.guide_weight = 0.9;
-  dytex::QuiltRun run;
-  run.guide = guide;
-  const auto fast = dytex::quilt(sources, options, {}, run);
+  const auto fast = dytex::quilt(sources, options, {}, guide);
   int right = 0;
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 70; ++x) right += (x < 35) == (fast.map.at(x, y).x >= 32) ? 1 : 0;
   CHECK(right > 0.9 * 60 * 70);
   options.exact = true;
-  CHECK(places(dytex::quilt(sources, options, {}, run)) == places(fast));
+  CHECK(places(dytex::quilt(sources, options, {}, guide)) == places(fast));
 }
 
 TEST_CASE("what blocks nearby show is not shown again") {
@@ -196,41 +194,6 @@ TEST_CASE("a source too small to stay apart is quilted all the same") {
   auto options = small_options();
   options.apart = 4096;
   CHECK(quilted(source, options).choices.size() == 30);
-}
-
-TEST_CASE("a quilt goes on where an earlier run stopped") {
-  const auto source = held(made_lapse({60, 50}, 12, CV_8UC1, 6));
-  const auto whole = quilted(source, small_options());
-  std::vector<std::size_t> told;
-  dytex::QuiltRun run;
-  run.keep = [&](auto placed) { told.push_back(placed.size()); };
-  run.placed = std::span(whole.choices).first(13);
-  CHECK(quilted(source, small_options(), run).map == whole.map);
-  CHECK(told.back() == whole.choices.size());
-  auto other = small_options();
-  other.block = {20, 20};
-  CHECK_THAT(test::message_of<core::InputError>([&] {
-               quilted(held(made_lapse({24, 24}, 2)), other, run);
-             }),
-             Contains("do not belong to this quilt"));
-}
-
-TEST_CASE("a cancelled quilt keeps what it had placed") {
-  const auto source = held(made_lapse({60, 50}, 12));
-  const auto whole = quilted(source, small_options());
-  std::stop_source stop;
-  dytex::QuiltRun run;
-  std::vector<dytex::QuiltChoice> kept;
-  run.keep = [&](auto placed) {
-    kept.assign(placed.begin(), placed.end());
-    if (placed.size() > 8) stop.request_stop();
-  };
-  const std::vector<dytex::QuiltSource> sources{{&source, {}, {}}};
-  CHECK_THROWS_AS(dytex::quilt(sources, small_options(), core::Context(stop.get_token()), run),
-                  core::Cancelled);
-  REQUIRE(kept.size() > 8);
-  REQUIRE(kept.size() < whole.choices.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) CHECK(kept[i].at == whole.choices[i].at);
 }
 
 TEST_CASE("odd input to quilting is defined") {

@@ -26,10 +26,9 @@ dytex::QuiltOptions options_of(const dytex::SurfaceLayout& layout) {
   return options;
 }
 
-dytex::SurfaceQuilt laid(const dytex::SurfaceLayout& layout, const dytex::Trajectories& source,
-                         const dytex::QuiltRun& run = {}) {
+dytex::SurfaceQuilt laid(const dytex::SurfaceLayout& layout, const dytex::Trajectories& source) {
   const std::vector<dytex::QuiltSource> sources{{&source, {}, {}}};
-  return dytex::quilt_surface(layout, sources, options_of(layout), {}, run);
+  return dytex::quilt_surface(layout, sources, options_of(layout));
 }
 
 dytex::SurfaceMeasures measured(const dytex::SurfaceLayout& layout, const dytex::SurfaceQuilt& quilt,
@@ -129,19 +128,9 @@ TEST_CASE("texels beyond a chart show what follows on the surface and then the n
   }
 }
 
-TEST_CASE("a quilt on a surface goes on from its first blocks and leaves masked places out") {
+TEST_CASE("a quilt on a surface leaves masked places out and refuses what it cannot do") {
   const auto source = held(made_lapse({70, 60}, 4));
   const auto layout = dytex::lay_out_surface(mesh_of(cube_obj()), {96, 64});
-  std::vector<dytex::QuiltChoice> kept;
-  dytex::QuiltRun run;
-  run.keep = [&](std::span<const dytex::QuiltChoice> all) { kept.assign(all.begin(), all.end()); };
-  const auto whole = laid(layout, source, run);
-  CHECK(kept.size() == whole.choices.size());
-  dytex::QuiltRun more;
-  more.placed = std::span(kept).first(kept.size() / 2);
-  CHECK(laid(layout, source, more).map == whole.map);
-  kept[3].at.x = 60;
-  CHECK_THROWS_AS(laid(layout, source, more), core::InputError);
   std::vector<dytex::QuiltSource> sources{{&source, cv::Mat::zeros(60, 70, CV_8U), {}}};
   sources[0].forbidden.colRange(40, 70).setTo(1);
   const auto masked = dytex::quilt_surface(layout, sources, options_of(layout));

@@ -95,7 +95,6 @@ class LeftHalf final : public core::FrameSource, public core::ClipKnowledge {
     mask(cv::Rect(0, 0, kWidth / 2, kHeight)) = 255;
     return mask;
   }
-  [[nodiscard]] std::vector<core::CameraMotion> drift() const override { return {}; }
 
  private:
   core::ClipSource source_;
