@@ -7,7 +7,7 @@
 #include "core/error.hpp"
 #include "core/text/check_range.hpp"
 #include "dytex/learning/components.hpp"
-#include "dytex/learning/fitted_spectra.hpp"
+#include "dytex/learning/fitted_spectrum.hpp"
 #include "dytex/learning/frame_blocks.hpp"
 #include "dytex/learning/gram.hpp"
 #include "dytex/learning/model_order.hpp"
@@ -20,25 +20,19 @@ using detail::FrameBlocks;
 using detail::FrameValues;
 using detail::Spectrum;
 
-constexpr int kMostLags = 16;  // bounds the order of A, n · lags
-
 /// Sums over all frames, of the first pass.
 struct FrameSums {
-  std::vector<Eigen::MatrixXd> grams;  // of all channels, or one a channel
-  Eigen::VectorXd mean;                // m
+  Eigen::MatrixXd gram;
+  Eigen::VectorXd mean;  // m
 };
 
-FrameSums accumulate_gram(FrameBlocks& frame_blocks, std::size_t channels, const core::Context& context) {
-  FrameSums seen;
+FrameSums accumulate_gram(FrameBlocks& frame_blocks, const core::Context& context) {
   const auto frames = static_cast<Eigen::Index>(frame_blocks.frames());
-  seen.grams.assign(channels, Eigen::MatrixXd::Zero(frames, frames));
-  seen.mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(frame_blocks.values()));
+  FrameSums seen{Eigen::MatrixXd::Zero(frames, frames),
+                 Eigen::VectorXd::Zero(static_cast<Eigen::Index>(frame_blocks.values()))};
   const auto add = [&](std::size_t first, const FrameValues& values) {
     detail::add_sums(values, first, seen.mean, context);
-    for (std::size_t c = 0; c < channels; ++c) {
-      const FrameValues some = channels == 1 ? values : detail::channel_values(values, first, channels, c);
-      detail::add_gram(some, seen.grams[c], context);
-    }
+    detail::add_gram(values, seen.gram, context);
   };
   frame_blocks.for_each("comparing frames", false, add, context);
   seen.mean /= static_cast<double>(frames);
@@ -62,8 +56,6 @@ void make_C(FrameBlocks& frame_blocks, const FrameSums& seen, const Eigen::Matri
     frame_blocks.for_each_batch(stage, detail::kBatch, add, context);
   else
     frame_blocks.for_each(stage, true, make, context);
-  if (texture.channels.size() > 0)
-    detail::keep_channels(texture.channels, texture.info.channels, texture.C, context);
   detail::orthonormalise(texture.C, context);
 }
 
@@ -72,13 +64,10 @@ void make_C(FrameBlocks& frame_blocks, const FrameSums& seen, const Eigen::Matri
 void LearnOptions::validate() const {
   core::check_fields("LearnOptions", *this);
   if (energy) core::check_above("LearnOptions.energy", *energy, 0, 1);
-  core::check_range("LearnOptions.lags", lags, 1, kMostLags);
   if (order == Order::given && !energy)
     core::check_range("LearnOptions.noise_rank", noise_rank, 0, components);
   else
     core::check_at_least("LearnOptions.noise_rank", noise_rank, 0);
-  if (lags > 1 && method != Method::closed_form)
-    throw core::InputError("LearnOptions.lags is " + std::to_string(lags) + "; allowed with n4sid is 1");
   core::check_at_least("LearnOptions.memory", static_cast<double>(memory), detail::kLeastMemory);
 }
 
@@ -88,16 +77,12 @@ LearnResult learn(core::FrameSource& source, const LearnOptions& options, const 
   const auto frames = static_cast<Eigen::Index>(frame_blocks.frames()),
              m = static_cast<Eigen::Index>(frame_blocks.values());
   detail::check_count(options, frames);
-  const bool separate = options.channels == Channels::separate && source.info().channels > 1;
-  const FrameSums seen =
-      accumulate_gram(frame_blocks, separate ? static_cast<std::size_t>(source.info().channels) : 1, context);
+  const FrameSums seen = accumulate_gram(frame_blocks, context);
   const double to_levels = 255 / source.info().white;
-  std::vector<Spectrum> spectra;
-  for (const Eigen::MatrixXd& gram : seen.grams)
-    spectra.push_back(detail::spectrum(gram, to_levels, m / static_cast<Eigen::Index>(seen.grams.size())));
+  const Spectrum spectrum = detail::spectrum(seen.gram, to_levels, m);
   core::ClipInfo info = source.info();
   info.frames = frames;
-  detail::FittedSpectra fitted = detail::fit_spectra(spectra, seen.grams, info, options);
+  detail::FittedSpectrum fitted = detail::fit_spectrum(spectrum, seen.gram, info, options);
   LearnResult& result = fitted.result;
   context.check();
   make_C(frame_blocks, seen, fitted.weights, fitted.single, result.texture, context);

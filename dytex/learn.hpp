@@ -21,10 +21,6 @@ enum class Order {
   gavish_donoho,  ///< singular values that stand out of white noise (Gavish, Donoho 2014)
   held_out        ///< the number that predicts the last fifth of the clip best, learned from the rest
 };
-enum class Channels {
-  joint,    ///< components show all channels
-  separate  ///< a model per channel; they share the noise, and so stay in step
-};
 /// The method that fits A.
 enum class Method {
   closed_form,  ///< least squares
@@ -35,9 +31,7 @@ struct LearnOptions {
   std::optional<double>
       energy{};  ///< (0, 1]: instead of n, the fewest components with this share of variance
   Order order = Order::given;
-  Channels channels = Channels::joint;
-  int lags = 1;  ///< 1 … 16: x(t+1) = A₁ x(t) + … + A_lags x(t + 1 − lags); above 1 needs n · lags < τ − 1
-  Method method = Method::closed_form;  ///< n4sid needs lags 1
+  Method method = Method::closed_form;
   /// n_v, 0 … n: numbers of v. B keeps this number of strongest directions of the fit's residuals; 0: all.
   int noise_rank = 0;
   /// bytes, ≥ 1 MiB: for frames held at a time; more passes where they do not fit. At least 256 pixels of
@@ -64,8 +58,7 @@ struct LearnResult {
   double least_squares_radius = 0;  ///< spectral radius of the least-squares A; at or above 1 it was replaced
   Transition transition = Transition::least_squares;
   int passes = 1;  ///< over the source
-  /// Order::held_out: the squared error of predicting a value, levels², by the number of components. Of
-  /// separate channels that of the first.
+  /// Order::held_out: the squared error of predicting a value, levels², by the number of components.
   std::vector<std::pair<int, double>> held_out;
   std::vector<std::string> notes;  ///< a line for everything not as requested or measured
 };

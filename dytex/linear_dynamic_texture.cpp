@@ -50,26 +50,12 @@ void check_info(const core::ClipInfo& info) {
   if (!info.frames || *info.frames < 1) fail("frames must be 1 or more");
 }
 
-void check_channels(const LinearDynamicTexture& texture) {
-  const Eigen::VectorXi& channels = texture.channels;
-  if (channels.size() == 0) return;
-  check("channels", channels, texture.components(), 1);
-  if (channels.minCoeff() < 0 || channels.maxCoeff() >= texture.info.channels)
-    fail("channels has the value " +
-         std::to_string(channels.minCoeff() < 0 ? channels.minCoeff() : channels.maxCoeff()) +
-         "; allowed is 0 to " + std::to_string(texture.info.channels - 1));
-}
-
 void check_noise_share(const LinearDynamicTexture& texture) {
   if (!(texture.noise_share > 0 && texture.noise_share <= 1))
     fail("noise_share is " + std::to_string(texture.noise_share) + ", must be above 0 and at most 1");
 }
 
 }  // namespace
-
-int channel_of(const LinearDynamicTexture& texture, Eigen::Index i) {
-  return texture.channels.size() == 0 ? -1 : texture.channels[i];
-}
 
 void validate(const LinearDynamicTexture& texture) {
   check_info(texture.info);
@@ -90,8 +76,7 @@ void validate(const LinearDynamicTexture& texture) {
   if (texture.noise.size() > 0) check("noise", texture.noise, m, 1);
   if (!(texture.noise.array() >= 0).all()) fail("noise has a negative value");
   check_noise_share(texture);
-  check_channels(texture);
-  check("singular", texture.singular, frames * (texture.channels.size() > 0 ? texture.info.channels : 1), 1);
+  check("singular", texture.singular, frames, 1);
   if (!(texture.r >= 0) || !std::isfinite(texture.r))
     fail("r is " + std::to_string(texture.r) + ", must be finite and at least 0");
   if (!(texture.singular.array() >= 0).all()) fail("singular has a negative value");

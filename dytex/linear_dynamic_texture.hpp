@@ -12,11 +12,7 @@ namespace emberfold::dytex {
 ///   y(t)   = mean + C diag(weights) x(t)₁…ₙ + w(t),   w ~ N(0, r I), or N(0, diag(noise))
 /// y(t) is a frame as a column of m = width · height · channels values in the order of its memory (row by
 /// row, channels together), on the scale where white is 255. The state x has N ≥ n numbers; a frame shows the
-/// first n. The others are earlier ones (auto-regression of a higher order) or a filter's own state. Where
-/// frames never change n and N are 0.
-///
-/// A model per channel has the same form: every column of C is 0 outside its channel's rows, A is
-/// block-diagonal once ordered by channel, and B couples the channels, which share the noise.
+/// first n. The others are a filter's own state. Where frames never change n and N are 0.
 struct LinearDynamicTexture {
   core::ClipInfo info;      ///< of the clip it was learned from; `frames` is τ
   Eigen::VectorXf mean;     ///< m
@@ -28,16 +24,12 @@ struct LinearDynamicTexture {
   Eigen::VectorXf noise;     ///< m, that variance value by value, ≥ 0; empty where it is r everywhere
   double noise_share = 1;    ///< of the variance of what drove the clip, which B's k inputs keep, (0, 1]
   Eigen::MatrixXd states;    ///< N × τ, the training frames' states
-  Eigen::VectorXd singular;  ///< all τ of the centred frames, falling; per channel: of all channels
-  Eigen::VectorXi channels;  ///< n, the channel that each component shows; empty where they show all
+  Eigen::VectorXd singular;  ///< all τ of the centred frames, falling
 
   [[nodiscard]] Eigen::Index components() const { return C.cols(); }  ///< n
   [[nodiscard]] Eigen::Index order() const { return A.rows(); }       ///< N
   [[nodiscard]] Eigen::Index pixels() const { return mean.size(); }   ///< m, values of a frame
 };
-
-/// Returns the channel that component i shows, −1 where it shows all.
-int channel_of(const LinearDynamicTexture& texture, Eigen::Index i);
 
 /// Throws InputError, naming the part, where shapes disagree, a number is not finite, a variance or a
 /// singular value is negative, or A's spectral radius is not below 1. O(m n + N³).

@@ -57,9 +57,6 @@ class DrawnStrokes final : public FrameMethod {
   }
   [[nodiscard]] int batch() const override { return frames_.batch(); }
   [[nodiscard]] const SynthesisStatistics* statistics() const override { return &frames_.statistics(); }
-  [[nodiscard]] FrameSources sources() const override {
-    throw core::InputError("drawn strokes have no source in the clip");
-  }
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context) const override {
     return mcmc::synthesize(model_->motion, count, options_.seed, context, options_.start);
   }
@@ -136,10 +133,6 @@ graph::MotionGraph ClipSynthesis::motion(int count) const {
 
 const FootageSynthesis* ClipSynthesis::footage() const {
   return dynamic_cast<const FootageSynthesis*>(frames_.get());
-}
-
-FrameSources ClipSynthesis::sources() const {
-  return frames_->sources();
 }
 
 void ClipSynthesis::rewind() {

@@ -18,7 +18,6 @@
 #include "mcmc/simulation/edit_model.hpp"
 #include "mcmc/simulation/synthesize.hpp"
 #include "pipeline/clip_model.hpp"
-#include "pipeline/footage/frame_sources.hpp"
 
 namespace emberfold::pipeline {
 
@@ -80,10 +79,6 @@ class ClipSynthesis final : public core::FrameSource {
   [[nodiscard]] graph::MotionGraph motion(int count) const;
   /// Returns the synthesis of the footage; null for other methods.
   [[nodiscard]] const FootageSynthesis* footage() const;
-  /// Returns the sources in the clip of a frame's pixels.
-  /// To be called while each() hands the frame over, and not after next(). Throws core::InputError unless
-  /// frames of the clip are shown (shows_frames).
-  [[nodiscard]] FrameSources sources() const;
   /// Returns how frames are made.
   [[nodiscard]] SynthesisMethod method() const { return method_; }
 

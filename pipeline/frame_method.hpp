@@ -8,7 +8,6 @@
 #include "core/context.hpp"
 #include "graph/motion_graph.hpp"
 #include "pipeline/clip_synthesis.hpp"
-#include "pipeline/footage/frame_sources.hpp"
 
 namespace emberfold::pipeline {
 
@@ -25,9 +24,6 @@ class FrameMethod {
   [[nodiscard]] virtual int batch() const = 0;
   /// Returns statistics of the strokes of the frames so far; null where none are drawn.
   [[nodiscard]] virtual const SynthesisStatistics* statistics() const { return nullptr; }
-  /// Returns the sources in the clip of a frame's pixels; to be called while each() hands the frame over.
-  /// Throws core::InputError unless frames of the clip are shown.
-  [[nodiscard]] virtual FrameSources sources() const = 0;
   /// Returns the graphs of the first `count` ≥ 1 frames with their links. Throws core::InputError where no
   /// strokes are drawn; core::Cancelled.
   [[nodiscard]] virtual graph::MotionGraph motion(int count, const core::Context& context) const = 0;

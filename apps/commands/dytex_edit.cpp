@@ -25,40 +25,28 @@ using Json = nlohmann::ordered_json;
 struct Editing {
   std::string model, output;
   std::vector<dytex::Edit> edits;
-  std::optional<int> channel;  // of later edits
-  bool keep_contrast = true;   // by later edits
-  std::string weights_file;    // of --weights, which may be numbers too
+  bool keep_contrast = true;  // by later edits
+  std::string weights_file;   // of --weights, which may be numbers too
 
   template <class What>
   void add(const What& what) {
-    edits.push_back({what, channel, keep_contrast});
+    edits.push_back({what, keep_contrast});
   }
   void add_preset(const std::string& name) {
-    for (dytex::Edit edit : dytex::preset(name)) {
-      edit.channel = channel;
-      edits.push_back(edit);
-    }
+    for (const dytex::Edit& edit : dytex::preset(name)) edits.push_back(edit);
   }
 };
-
-bool has_channel(const dytex::Edit& edit) {
-  return edit.channel.has_value();
-}
 
 /// Rewrites "speed is 4, allowed …", which names a field, with the option's name.
 Misuse option_misuse(const std::string& message) {
   constexpr std::array kOptions{"speed",  "flow", "intensity", "directions", "coarse",
-                                "medium", "fine", "weights",   "channel",    "preset"};
+                                "medium", "fine", "weights",   "preset"};
   for (const char* option : kOptions)
     if (message.starts_with(option)) return Misuse("--" + message);
   return Misuse(message);
 }
 
 dytex::EditResult apply_edits(const Editing& asked, dytex::LinearDynamicTexture texture) {
-  if (texture.channels.size() == 0 && std::ranges::any_of(asked.edits, &has_channel))
-    throw Misuse(
-        "--channel needs a model per channel, and " + asked.model +
-        " shows all by the same components; learn one with 'emberfold dytex learn --channels separate'");
   try {
     return dytex::edit(std::move(texture), asked.edits);
   } catch (const core::InputError& error) {
@@ -191,14 +179,6 @@ void add_strength_options(CLI::App& command, const std::shared_ptr<Editing>& ask
 
 void add_manner_options(CLI::App& command, const std::shared_ptr<Editing>& asked) {
   const std::string group = "For the edits after it";
-  add_edit(command, "--channel", "b|g|r|all", "Apply the edits after it to this channel", group,
-           [asked](const std::string& text) {
-             try {
-               asked->channel = parse_channel(text);
-             } catch (const core::InputError& error) {
-               throw option_misuse(error.what());
-             }
-           });
   for (const bool keep : {false, true})
     command
         .add_flag_function(

@@ -26,8 +26,6 @@ void check_em(const EmRequest& asked, const dytex::LearnOptions& learning) {
     const auto refuse = [](const std::string& option) {
       throw Misuse("EM goes on from a closed form of " + option + " alone");
     };
-    if (learning.lags != 1) refuse("--lags 1");
-    if (learning.channels != dytex::Channels::joint) refuse("--channels joint");
     if (learning.method != dytex::Method::closed_form) refuse("--method closed-form");
     if (learning.noise_rank != 0) refuse("learn.noise_rank=0");
   }

@@ -41,7 +41,7 @@ struct TextureLearning {
   double energy = 0.95;
   EmRequest em;
   int block = 0;  ///< frames decomposed at a time; 0: all, or a size that suits a long clip
-  std::string order, channels = "joint", method = "closed-form";
+  std::string order, method = "closed-form";
 };
 
 // The words of an option and their values.
@@ -51,8 +51,6 @@ using Words = std::vector<std::pair<std::string, Value>>;
 const Words<dytex::Order> kOrders{{"auto", dytex::Order::held_out},
                                   {"gavish-donoho", dytex::Order::gavish_donoho},
                                   {"held-out", dytex::Order::held_out}};
-const Words<dytex::Channels> kChannels{{"joint", dytex::Channels::joint},
-                                       {"separate", dytex::Channels::separate}};
 const Words<dytex::Method> kMethods{{"closed-form", dytex::Method::closed_form},
                                     {"n4sid", dytex::Method::n4sid}};
 template <class Value>
@@ -90,8 +88,6 @@ Json learn_summary(const TextureLearning& asked, const io::ReadOptions& read, co
   Json options = {{"components", asked.options.components}};
   options["energy"] = asked.options.energy ? Json(*asked.options.energy) : Json(nullptr);
   options.update({{"order", asked.asked_order ? Json(asked.order) : Json(nullptr)},
-                  {"channels", asked.channels},
-                  {"lags", asked.options.lags},
                   {"method", asked.method},
                   {"noise_rank", asked.options.noise_rank},
                   {"block", asked.block}});
@@ -115,7 +111,7 @@ void check_options(const dytex::LearnOptions& options) {
     options.validate();
   } catch (const core::InputError& error) {
     auto message = without_struct_name(error.what());
-    for (const char* field : {"components", "energy", "lags"}) message = with_option_name(message, field);
+    for (const char* field : {"components", "energy"}) message = with_option_name(message, field);
     if (message.starts_with("noise_rank")) message = "learn." + message;
     throw Misuse(message);
   }
@@ -153,7 +149,6 @@ dytex::LearnResult learn_texture(const TextureLearning& asked, core::FrameSource
   } catch (const Misuse&) {
     throw;
   } catch (const core::InputError& error) {
-    // "lags: …" keeps its prefix: it is the option's name.
     throw Misuse(asked.reading.clip + ": " + with_option_name(error.what(), "components"));
   }
 }
@@ -162,7 +157,6 @@ void take_words(TextureLearning& asked) {
   dytex::LearnOptions& options = asked.options;
   if (asked.asked_energy) options.energy = asked.energy;
   if (asked.asked_order) options.order = value_of(kOrders, asked.order);
-  options.channels = value_of(kChannels, asked.channels);
   options.method = value_of(kMethods, asked.method);
   if (asked.block < 0)
     throw Misuse("learn.block is " + std::to_string(asked.block) + "; allowed is at least 0");
@@ -231,9 +225,6 @@ CLI::Option* add_words(CLI::App& command, const std::string& name, std::string& 
 }
 
 void add_model_options(CLI::App& command, Settings& settings, TextureLearning& asked) {
-  add_words(command, "--channels", asked.channels, kChannels,
-            "Learn components of all channels (joint) or of each (separate)");
-  add_number(command, "--lags", asked.options.lags, "N", "Predict a frame from the last N");
   add_words(command, "--method", asked.method, kMethods,
             "Fit the motion by closed-form, or for noisy states n4sid");
   settings.add("learn", "noise_rank", &asked.options.noise_rank, "N",
@@ -250,7 +241,7 @@ void add_dytex_learn(CLI::App& dytex, CommandLine& line) {
   auto* command = add_command(dytex, "learn", "Learn a linear dynamic texture from a clip", R"(
   emberfold dytex learn flag.avi -o out/flag
   emberfold dytex learn flag.avi -o out/flag -n 20 --range 0:100
-  emberfold dytex learn smoke.mp4 -o out/smoke --order auto --lags 2
+  emberfold dytex learn smoke.mp4 -o out/smoke --order auto
   emberfold dytex learn flag.avi -o out/flag --missing hidden.avi --filled flag_filled.mp4)");
   const auto asked = std::make_shared<TextureLearning>();
   add_reading(*command, asked->reading, false);

@@ -8,9 +8,7 @@
 #include "apps/commands/dytex.hpp"
 #include "apps/page/texture_page.hpp"
 #include "core/io/files.hpp"
-#include "core/io/mask_file.hpp"
 #include "core/io/require_apart.hpp"
-#include "dytex/model/layers.hpp"
 
 namespace emberfold::apps {
 
@@ -19,20 +17,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Page {
-  std::string model, output, mask;
+  std::string model, output;
 };
-
-// Reads the mask; empty where none is given.
-cv::Mat read_page_mask(const std::string& path, const core::ClipInfo& info) {
-  if (path.empty()) return {};
-  cv::Mat mask = io::read_mask(path);
-  try {
-    dytex::check_mask(mask, info);
-  } catch (const core::InputError& error) {
-    throw Misuse("--mask: " + path + ": " + error.what());
-  }
-  return mask;
-}
 
 std::string page_text(const TexturePage& page, const std::string& output) {
   char text[160];
@@ -42,15 +28,14 @@ std::string page_text(const TexturePage& page, const std::string& output) {
 }
 
 void run_page(const Page& asked, Session& session) {
-  io::require_apart({asked.model, asked.mask}, {{asked.output}});
+  io::require_apart({asked.model}, {{asked.output}});
   require_new({asked.output}, session.common);
   const io::StagedFile file(asked.output);
   Stages stages;
   stages.begin("read");
   const auto [texture, edits] = read_texture_and_edits(asked.model);
-  const cv::Mat mask = read_page_mask(asked.mask, texture.info);
   stages.begin("make");
-  const TexturePage page = make_texture_page({&texture, asked.model, edits, kVersion, mask});
+  const TexturePage page = make_texture_page({&texture, asked.model, edits, kVersion});
   session.check_stop();
   stages.begin("write");
   file.write([&](std::ostream& out) { out << page.html; });
@@ -60,7 +45,6 @@ void run_page(const Page& asked, Session& session) {
   if (!session.common.json) return;
   Json summary = begin_summary("dytex page", session);
   summary["model"] = asked.model;
-  summary["mask"] = asked.mask.empty() ? Json(nullptr) : Json(asked.mask);
   summary["output"] = asked.output;
   summary["bytes"] = page.html.size();
   summary["error"] = {{"rms", page.error}, {"largest", page.largest_error}};
@@ -74,13 +58,10 @@ void add_dytex_page(CLI::App& dytex, CommandLine& line) {
   auto* command =
       add_command(dytex, "page", "Write an HTML page that plays a linear dynamic texture, with sliders", R"(
   emberfold dytex page out/flag -o flag.html
-  emberfold dytex page out/sea -o sea.html && xdg-open sea.html
-  emberfold dytex page out/sea -o sea.html --mask waves.png)");
+  emberfold dytex page out/sea -o sea.html && xdg-open sea.html)");
   const auto asked = std::make_shared<Page>();
   add_texture_model(*command, asked->model);
   command->add_option("-o,--output", asked->output, "Write this page")->type_name("FILE.html")->required();
-  command->add_option("--mask", asked->mask, "Show the edits only where this image is white")
-      ->type_name("IMAGE");
   finish_command(*command, line, asked, run_page);
 }
 

@@ -76,15 +76,6 @@ Json footage_json(const pipeline::FootageSynthesis& drawn) {
           {"copied_share", rounded(drawn.copied_share())}};
 }
 
-/// Lists the shares of the frames that are still, played, … .
-Json shares_json(const SourceMap& sources) {
-  Json shares = Json::object();
-  const auto values = sources.shares();
-  for (std::size_t i = 0; i < values.size(); ++i)
-    shares[name(static_cast<pipeline::SourceKind>(i))] = std::round(1000 * values[i]) / 1000;
-  return shares;
-}
-
 /// Says how much of the clip is copied, or why strokes are drawn.
 std::string how_drawn(const SynthRequest& asked, const pipeline::ClipSynthesis& frames) {
   const auto* const footage = frames.footage();
@@ -118,12 +109,9 @@ Json summarise(const SynthRequest& asked, const mcmc::MotionModel& model,
   summary["synthesis"] = frames.footage()     ? footage_json(*frames.footage())
                          : strokes != nullptr ? statistics_json(*strokes)
                                               : Json::object();
-  if (const auto* sources = outputs.sources()) summary["synthesis"]["sources"] = shares_json(*sources);
   summary["files"] = {{asked.output, "the new clip"}};
   if (!asked.motion.empty()) summary["files"][asked.motion] = "its graphs and their links";
   if (!asked.film.empty()) summary["files"][asked.film] = "the clip, the drawn sketch and the drawn frame";
-  if (!asked.explain.empty())
-    summary["files"][asked.explain] = "where in the clip the pixels of the new one come from";
   if (!asked.overlay.empty()) summary["files"][asked.overlay] = "the clip under its graph, with its events";
   return summary;
 }
@@ -131,8 +119,8 @@ Json summarise(const SynthRequest& asked, const mcmc::MotionModel& model,
 void run_synth(SynthRequest asked, Session& session) {
   check(asked);
   io::require_apart({asked.model, asked.edit.birth_map, asked.alpha},
-                    {{asked.output}, {asked.overlay}, {asked.motion}, {asked.film}, {asked.explain}});
-  require_new({asked.output, asked.overlay, asked.motion, asked.film, asked.explain}, session.common);
+                    {{asked.output}, {asked.overlay}, {asked.motion}, {asked.film}});
+  require_new({asked.output, asked.overlay, asked.motion, asked.film}, session.common);
   Stages stages;
   stages.begin("read");
   auto opened = pipeline::read_clip_model(asked.model, asked.method);
@@ -191,13 +179,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
   command->add_option("--overlay", asked->overlay, "Write the clip with its graph and events too")
       ->type_name("OUT")
       ->group("");
-  command
-      ->add_option("--film", asked->film,
-                   "Write clip, sketch and frame in a row; --explain PNG pixels' sources")
-      ->type_name("OUT");
-  command->add_option("--explain", asked->explain, "Draw where in the clip the new pixels come from")
-      ->type_name("PNG")
-      ->group("");
+  command->add_option("--film", asked->film, "Write clip, sketch and frame in a row")->type_name("OUT");
   command
       ->add_option("--width", asked->width, "Scale frames to this width, px, or to --height N; larger, too")
       ->type_name("N");

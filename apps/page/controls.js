@@ -1,24 +1,14 @@
 // The page of a texture: its sliders, presets and pictures.
 
-const sliders = ["speed", "flow", "intensity", "coarse", "medium", "fine", "feather"];
+const sliders = ["speed", "flow", "intensity", "coarse", "medium", "fine"];
 const longestLoop = 1000;
-/** Components that can be weighted alone: of a model per channel, as many as each channel has. */
-const singles = Math.min(data.components, ...data.groups.map((group) => group.shown));
-const channels = data.groups.map(({channel}) => channelLetters[channel]).filter((letter) => letter);
 const addressed = {
-  channel: (text) => (channels.includes(text) ? text : undefined),
   weights(text) {
-    const fits = ([component, factor]) => Number.isInteger(component) && component >= 1 && component <= singles && factor >= 0 && factor <= 3;
+    const fits = ([component, factor]) => Number.isInteger(component) && component >= 1 && component <= data.components && factor >= 0 && factor <= 3;
     return /^\d+:[\d.]+(,\d+:[\d.]+)*$/.test(text) && [...weightsOf(text)].every(fits) ? weightsText(weightsOf(text)) : undefined;
   },
   loop: (text) => (/^\d+$/.test(text) && Number(text) >= 2 && Number(text) <= longestLoop ? Number(text) : undefined),
-  swap: (text) => (text === "1" ? 1 : undefined),
 };
-function handOut(blob, name) {
-  const address = URL.createObjectURL(blob);
-  make("a", {href: address, download: name}).click();
-  setTimeout(() => URL.revokeObjectURL(address), 60_000);
-}
 /** The sliders that a preset sets: one that names no speed leaves it. */
 const slidersOf = (preset) => sliders.filter((name) => name in preset && (name !== "speed" || preset.speed !== 1));
 
@@ -28,17 +18,15 @@ class TexturePage extends ModelPage {
     this.wanted = null;  // settings that the next animation frame takes over
     this.listenToComponents();
     this.listenToLoop();
-    this.listenToMask();
-    $("channel").addEventListener("change", () => this.want({channel: $("channel").value}));
   }
   listenToComponents() {
-    $("component").max = singles;
+    $("component").max = data.components;
     const weigh = (factor) => {
       const {weights: text} = {...this.player.settings, ...this.wanted}, weights = weightsOf(text);
       this.want({weights: weightsText(weights.set(Number($("component").value), factor))});
     };
     $("component").addEventListener("change", () => {
-      $("component").value = Math.min(Math.max(Math.round(Number($("component").value)) || 1, 1), singles);
+      $("component").value = Math.min(Math.max(Math.round(Number($("component").value)) || 1, 1), data.components);
       this.showSettings(this.player.settings);
     });
     $("weight").addEventListener("input", () => weigh(Number($("weight").value)));
@@ -51,61 +39,6 @@ class TexturePage extends ModelPage {
     };
     $("looped").addEventListener("change", take);
     $("loop").addEventListener("change", take);
-    $("save-loop").addEventListener("click", () => this.saveLoop());
-  }
-  /** Hands out the frames of the loop, PNGs in a ZIP archive; the page goes on meanwhile. */
-  async saveLoop() {
-    const {player} = this, parts = player.parts(), files = [];
-    const canvas = new OffscreenCanvas(data.width, data.height), screen = canvas.getContext("2d", {alpha: false});
-    for (let frame = 0; frame < parts.result.circle.length; ++frame) {
-      player.draw(parts, ({circle}) => circle[frame], screen);
-      const png = await canvas.convertToBlob({type: "image/png"});
-      files.push({name: `frame_${String(frame).padStart(5, "0")}.png`, bytes: new Uint8Array(await png.arrayBuffer())});
-    }
-    handOut(zipArchive(files), "loop.zip");
-  }
-  listenToMask() {
-    $("mask").addEventListener("change", () => this.takeMask($("mask").files[0]));
-    $("swap").addEventListener("change", () => this.want({swap: Number($("swap").checked)}));
-    $("save-mask").addEventListener("click", () => this.saveMask());
-    $("mask-remove").addEventListener("click", () => {
-      this.setMask(null, "");
-      $("mask").focus();
-    });
-  }
-  async takeMask(file) {
-    if (!file) return;
-    try {
-      const {mask, size} = await openMask(file), same = size[0] === data.width && size[1] === data.height;
-      if ($("mask").files[0] !== file) return;  // another one was opened meanwhile
-      this.setMask(mask, file.name + (same ? "" : `, scaled from ${size.join(" \u00d7 ")} px`));
-    } catch {
-      $("mask").value = "";
-      this.tell(`${file.name} is no image that this browser reads.`);
-    }
-  }
-  setMask(mask, about) {
-    try {
-      this.player.setMask(mask);
-      $("mask-about").textContent = about;
-      this.tell("");
-    } catch (error) {
-      this.tell(error.message);
-    }
-    if (!this.player.mask) $("mask").value = "";
-    this.changed();
-  }
-  /** Hands out the mask as `dytex compose` takes it. */
-  async saveMask() {
-    const {mask, settings: {swap}} = this.player, canvas = new OffscreenCanvas(data.width, data.height);
-    canvas.getContext("2d", {alpha: false}).putImageData(greyPicture(mask.sides[swap], 255), 0, 0);
-    handOut(await canvas.convertToBlob({type: "image/png"}), "mask.png");
-  }
-  showMask() {
-    const {mask, settings} = this.player, opacity = mask?.opacity(settings) ?? null;
-    $("masked").hidden = !mask;
-    if (opacity && opacity !== this.shownOpacity) $("opacity").getContext("2d").putImageData(greyPicture(opacity, 1), 0, 0);
-    this.shownOpacity = opacity;
   }
   listenTo(name) {
     $(name).addEventListener("input", () => this.want({[name]: Number($(name).value)}));
@@ -121,20 +54,11 @@ class TexturePage extends ModelPage {
     super.apply(settings);
   }
   command() {
-    const {settings, seed, mask} = this.player;
-    return commandFor(data.model, settings, seed, mask !== null);
-  }
-  showCommandHint() {
-    const {mask, settings: {loop}} = this.player, parts = mask && this.command().includes("learned.avi");
-    $("command-parts").hidden = !(parts && loop > 0);
-    $("command-whole").hidden = !$("command-parts").hidden;
-    $("command-mask").hidden = !(parts && loop === 0);
+    const {settings, seed} = this.player;
+    return commandFor(data.model, settings, seed);
   }
   showSettings(settings) {
-    for (const name of sliders) this.showSlider(name, settings[name], name === "feather" ? settings.feather + "\u00a0px" : factorText(settings[name]));
-    $("swap").checked = settings.swap === 1;
-    this.showMask();
-    this.showCommandHint();
+    for (const name of sliders) this.showSlider(name, settings[name], factorText(settings[name]));
     $("intensity-amplitude").textContent = (100 * Math.sqrt(settings.intensity)).toFixed(0) + "\u00a0%";
     $("reverse").checked = settings.reverse;
     const weights = weightsOf(settings.weights), weight = weights.get(Number($("component").value)) ?? 1;
@@ -143,10 +67,8 @@ class TexturePage extends ModelPage {
     $("weight-value").textContent = factorText(weight);
     $("weight-reset").disabled = weight === 1;
     $("weights").textContent = weights.size === 0 ? "" : "Changed: " + [...weights].map(([i, factor]) => `${i} (${factorText(factor)})`).join(", ");
-    $("channel").value = settings.channel;
     $("looped").checked = settings.loop > 0;
     if (settings.loop > 0) $("loop").value = settings.loop;
-    $("save-loop").disabled = settings.loop === 0;
     $("all-reset").disabled = isNeutral(settings);
     for (const button of document.querySelectorAll("[data-preset]")) {
       const preset = data.presets[button.dataset.preset];
@@ -177,10 +99,7 @@ function describe() {
     groups.get(subject).append(make("button", {type: "button", "data-preset": i, "aria-pressed": false, title: effect}, preset.name));
   });
   for (const [subject, chips] of groups) $("presets").append(make("div", {}, make("i", {}, subject), chips));
-  const names = {b: "blue", g: "green", r: "red"};
-  for (const letter of channels) $("channel").append(make("option", {value: letter}, names[letter]));
-  $("channel-label").hidden = channels.length === 0;
-  for (const name of ["source", "result", "opacity"]) {
+  for (const name of ["source", "result"]) {
     $(name).width = data.width;
     $(name).height = data.height;
   }
@@ -206,8 +125,6 @@ async function start() {
     const preset = data.presets[button.dataset.preset];
     button.addEventListener("click", () => page.want(Object.fromEntries(slidersOf(preset).map((name) => [name, preset[name]]))));
   }
-  const carried = $("carried-mask");
-  if (carried) page.setMask(new Mask(new Uint8Array(await inflated(carried.textContent))), "The mask that this page was made with");
   if (data.components === 0) page.tell("The model has no components: it stands still.");
   return page;
 }

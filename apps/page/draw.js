@@ -7,8 +7,6 @@ precision highp int;
 precision highp sampler2D;
 precision highp sampler2DArray;
 uniform sampler2DArray layers;
-uniform sampler2D ground, opacity;
-uniform bool masked;
 uniform vec4 factors[${fours}];
 uniform float offset;
 out vec4 colour;
@@ -21,10 +19,6 @@ void main() {
   for (int i = 0; i < ${fours}; ++i)
     level += ${channels === 1 ? "vec3(part(at, i, 0))" : "vec3(part(at, i, 0), part(at, i, 1), part(at, i, 2))"};
   level = floor(clamp(level, 0.0, 255.0) + 0.5);
-  if (masked) {
-    vec3 below = floor(255.0 * texelFetch(ground, ivec2(gl_FragCoord.xy), 0).rgb + 0.5);
-    level = roundEven(below + texelFetch(opacity, at, 0).r * (level - below));
-  }
   colour = vec4(level / 255.0, 1.0);
 }`;
 
@@ -48,16 +42,6 @@ function makeGraphicsDrawer({width, height, channels, wide}) {
   gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA8, width, height, channels * fours);
   for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, gl.NEAREST);
   const placeOf = (name) => gl.getUniformLocation(linked, name);
-  const planeOf = (unit, name, format) => {
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-    gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
-    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
-    gl.uniform1i(placeOf(name), unit);
-  };
-  planeOf(1, "ground", gl.RGB8);
-  planeOf(2, "opacity", gl.R32F);
-  gl.activeTexture(gl.TEXTURE0);
   gl.viewport(0, 0, width, height);
   if (gl.getError() !== gl.NO_ERROR) return null;
 
@@ -75,10 +59,9 @@ function makeGraphicsDrawer({width, height, channels, wide}) {
     planes.push({image, factor, zero});
     if (place === 3) upload();
   };
-  const factorPlace = placeOf("factors"), offsetPlace = placeOf("offset"), maskedPlace = placeOf("masked");
+  const factorPlace = placeOf("factors"), offsetPlace = placeOf("offset");
   const factors = new Float32Array(4 * fours);
-  let opacity = null;  // the one that the graphics processor has
-  const paint = (worth, masked) => {
+  const paint = (worth) => {
     let offset = 0;
     planes.forEach(({image, factor, zero}, i) => {
       factors[i] = 255 * factor * worth[image];  // a texel is its byte over 255
@@ -86,17 +69,7 @@ function makeGraphicsDrawer({width, height, channels, wide}) {
     });
     gl.uniform4fv(factorPlace, factors);
     gl.uniform1f(offsetPlace, offset);
-    gl.uniform1i(maskedPlace, masked);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-  };
-  const paintGround = (ground) => {
-    paint(ground.worth, false);
-    gl.activeTexture(gl.TEXTURE1);
-    gl.copyTexSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 0, 0, width, height);
-    if (ground.opacity === opacity) return;
-    opacity = ground.opacity;
-    gl.activeTexture(gl.TEXTURE2);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RED, gl.FLOAT, opacity);
   };
   return {
     name: "webgl2",
@@ -109,10 +82,9 @@ function makeGraphicsDrawer({width, height, channels, wide}) {
       }
       if (image === wide.length - 1 && planes.length % 4 !== 0) upload();
     },
-    /** `worth`: levels of a step of each image; ground: the worth of what lies below, and the opacity over it. */
-    draw(worth, to, ground = null) {
-      if (ground) paintGround(ground);
-      paint(worth, ground !== null);
+    /** `worth`: levels of a step of each image. */
+    draw(worth, to) {
+      paint(worth);
       to.drawImage(canvas, 0, 0);
     },
     lost: (then) => canvas.addEventListener("webglcontextlost", then),
@@ -135,19 +107,13 @@ function makePlainDrawer({width, height, channels}) {
       picture.data[p + 2] = levels[from + 2 * step];
     }
   };
-  const layOver = (below, opacity) => {
-    for (let p = 0; p < below.length; ++p) picture.data[p] = below[p] + opacity[p >> 2] * (picture.data[p] - below[p]);
-  };
   return {
     name: "processor",
     addImage(image, values) {
       images[image] = values;
     },
-    draw(worth, to, ground = null) {
-      if (ground) paint(ground.worth);
-      const below = ground && picture.data.slice();
+    draw(worth, to) {
       paint(worth);
-      if (ground) layOver(below, ground.opacity);
       to.putImageData(picture, 0, 0);
     },
     lost() {},

@@ -56,7 +56,7 @@ class ModelPage {
     });
   }
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("input[type=text], input[type=file], button, pre")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("input[type=text], button, pre")) return;
     const action = {" ": () => this.play(!this.clock.playing), ".": () => this.step(), r: () => this.restart()}[event.key];
     if (!action || (event.key === " " && event.target.type === "checkbox")) return;
     event.preventDefault();

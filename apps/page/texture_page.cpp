@@ -20,8 +20,6 @@
 #include "core/parallel.hpp"
 #include "dytex/editing/edit.hpp"
 #include "dytex/editing/edit_dynamics.hpp"
-#include "dytex/editing/edit_groups.hpp"
-#include "dytex/model/layers.hpp"
 
 namespace emberfold::apps {
 
@@ -96,47 +94,33 @@ Json preset_list() {
   return list;
 }
 
-// Adds A and B, and the eigenvalues and vectors of every group, from which other speeds are computed.
-Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTexture& texture,
-                std::span<const dytex::detail::Group> groups) {
+// Adds A and B, and the eigenvalues and vectors, from which other speeds are computed.
+Json put_motion(Numbers& numbers, const std::string& name, const LinearDynamicTexture& texture) {
   numbers.put(name + ".A", texture.A);
   numbers.put(name + ".B", texture.B);
-  Json list = Json::array();
-  for (const auto& [states, shown] : groups) {
-    const Eigen::MatrixXd A = texture.A(states, states), B = texture.B(states, Eigen::all);
-    const auto form = dytex::detail::speed_form(A, dytex::stationary_covariance(A, B));
-    const std::string prefix = name + "." + std::to_string(list.size()) + ".";
-    numbers.put(prefix + "basis", form.basis);
-    numbers.put(prefix + "inverse", form.inverse);
-    numbers.put(prefix + "diagonal", form.diagonal);
-    numbers.put(prefix + "turn", form.quarter_turn);
-    Json blocks = Json::array();
-    for (const auto& block : form.blocks)
-      blocks.push_back({{"first", block.first},
-                        {"size", block.size},
-                        {"phase", block.phase},
-                        {"turns", dytex::detail::turns(block)},
-                        {"alone", dytex::detail::is_alone(block)}});
-    list.push_back(std::move(blocks));
-  }
-  return {{"blocks", std::move(list)}};
+  Json blocks = Json::array();
+  if (texture.components() == 0) return {{"blocks", std::move(blocks)}};
+  const auto form = dytex::detail::speed_form(texture.A, dytex::stationary_covariance(texture.A, texture.B));
+  numbers.put(name + ".basis", form.basis);
+  numbers.put(name + ".inverse", form.inverse);
+  numbers.put(name + ".diagonal", form.diagonal);
+  numbers.put(name + ".turn", form.quarter_turn);
+  for (const auto& block : form.blocks)
+    blocks.push_back({{"first", block.first},
+                      {"size", block.size},
+                      {"phase", block.phase},
+                      {"turns", dytex::detail::turns(block)},
+                      {"alone", dytex::detail::is_alone(block)}});
+  return {{"blocks", std::move(blocks)}};
 }
 
-// Adds the model forwards and exactly backwards, the groups that edits act on, the training frames.
+// Adds the model forwards and exactly backwards, and the training frames.
 Json put_dynamics(Numbers& numbers, const LinearDynamicTexture& texture) {
   Json data;
-  const auto groups = texture.components() == 0 ? std::vector<dytex::detail::Group>{}
-                                                : dytex::detail::groups(texture, std::nullopt);
-  data["groups"] = Json::array();
-  for (const auto& group : groups)
-    data["groups"].push_back(
-        {{"states", group.states},
-         {"shown", group.shown},
-         {"channel", texture.channels.size() == 0 ? -1 : texture.channels[group.states.front()]}});
-  data["forward"] = put_motion(numbers, "forward", texture, groups);
+  data["forward"] = put_motion(numbers, "forward", texture);
   const std::array edits{dytex::Edit{dytex::Reverse{}}};
   const dytex::EditResult back = dytex::edit(texture, edits);
-  data["backward"] = put_motion(numbers, "backward", back.texture, groups);
+  data["backward"] = put_motion(numbers, "backward", back.texture);
   numbers.put("weights", texture.weights);
   numbers.put("states", texture.states.topRows(texture.components()));
   return data;
@@ -224,17 +208,6 @@ void measure_rounding(const LinearDynamicTexture& texture, const std::vector<flo
   page.largest_error = *std::ranges::max_element(largest);
 }
 
-// Encodes a mask in 8 bits; non-zero pixels are inside.
-std::string mask_element(const cv::Mat& mask, const core::ClipInfo& info) {
-  if (mask.empty()) return "";
-  dytex::check_mask(mask, info);
-  cv::Mat bytes;
-  dytex::layer_opacity(mask, 0).convertTo(bytes, CV_8U, 255);
-  bytes.setTo(1, (mask != 0) & (bytes == 0));
-  return "<script type=\"text/plain\" id=\"carried-mask\">" + packed_bytes({bytes.data, bytes.total()}) +
-         "</script>\n";
-}
-
 }  // namespace
 
 TexturePage make_texture_page(const TexturePageInput& input) {
@@ -263,7 +236,7 @@ TexturePage make_texture_page(const TexturePageInput& input) {
                {"steps", steps},
                {"presets", preset_list()}};
   data["wide"] = Json::array();
-  std::string image_elements = mask_element(input.mask, texture.info);
+  std::string image_elements;
   for (const Image& image : images) {
     data["wide"].push_back(image.wide);
     image_elements += "<script type=\"text/plain\" class=\"image\">" + image.text + "</script>\n";

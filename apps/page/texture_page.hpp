@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "dytex/linear_dynamic_texture.hpp"
 
 namespace emberfold::apps {
@@ -19,7 +17,6 @@ struct TexturePageInput {
   std::string model;               ///< its folder, as given by the user
   std::vector<std::string> edits;  ///< its earlier edits, as in apps/textures/texture_edits.hpp
   std::string version;
-  cv::Mat mask = {};  ///< where the page applies its edits, white inside; empty: everywhere
 };
 
 /// The page and its rounding errors.
@@ -31,8 +28,8 @@ struct TexturePage {
 
 /// Makes a self-contained page that runs the texture live in a browser. Mean and components are images of
 /// whole numbers whose steps follow from their amplitudes (0.2 levels RMS of a frame), everything else is in
-/// doubles. Throws InputError where the texture is not valid or too large, and as dytex::check_mask;
-/// NumericalError as dytex::edit.
+/// doubles. Throws InputError where the texture is not valid or too large; NumericalError as
+/// dytex::edit.
 TexturePage make_texture_page(const TexturePageInput& input);
 
 }  // namespace emberfold::apps

@@ -8,7 +8,6 @@
 
 #include "apps/pictures/draw.hpp"
 #include "apps/pictures/overlay.hpp"
-#include "apps/pictures/png.hpp"
 #include "core/io/image_files.hpp"
 #include "core/io/model_folder.hpp"
 #include "core/text/size_text.hpp"
@@ -76,10 +75,10 @@ pipeline::Ground ground_of(const SynthRequest& asked, const core::ClipInfo& info
 }  // namespace
 
 SynthOutputs::SynthOutputs(const SynthRequest& asked, const pipeline::ClipSynthesis& frames)
-    : asked_(asked), synthesis_(frames), info_(frames.info()), written_(info_) {
+    : asked_(asked), info_(frames.info()), written_(info_) {
   const cv::Size size = output_size(asked, {info_.width, info_.height});
   written_.width = size.width, written_.height = size.height;
-  const bool with_clip = asked.alpha == "ground" || !asked.explain.empty() || !asked.film.empty();
+  const bool with_clip = asked.alpha == "ground" || !asked.film.empty();
   const auto clip = with_clip ? clip_of(asked.model, info_) : pipeline::Footage{};
   if (!asked.alpha.empty()) {
     ground_ = ground_of(asked, info_, size, clip);
@@ -87,10 +86,6 @@ SynthOutputs::SynthOutputs(const SynthRequest& asked, const pipeline::ClipSynthe
   }
   clip_ = create_output(asked.output, written_);
   if (!asked.motion.empty()) motion_file_.emplace(asked.motion);
-  if (!asked.explain.empty()) {
-    sources_file_.emplace(asked.explain);
-    sources_.emplace(asked.frames, static_cast<int>(clip.frames.size()));
-  }
   const bool with_graphs = !asked.motion.empty() || !asked.overlay.empty() || !asked.film.empty();
   if (with_graphs) motion_ = frames.motion(asked.frames);
   if (!asked.overlay.empty()) events_ = graph::stroke_events(*motion_);
@@ -109,12 +104,6 @@ cv::Mat SynthOutputs::written_frame(const cv::Mat& frame) const {
 
 void SynthOutputs::write(const cv::Mat& frame) {
   clip_->write(written_frame(frame));
-  if (sources_) {
-    if (sources_->wants_next())
-      sources_->add(frame, synthesis_.sources());
-    else
-      sources_->pass();
-  }
   const int t = frames_++;
   if (film_) film_->add(frame, motion_->sketch.frames[static_cast<std::size_t>(t)]);
   if (asked_.overlay.empty()) return;
@@ -137,7 +126,6 @@ void SynthOutputs::finish() {
   if (overlay_) overlay_->finish();
   if (film_) film_->finish();
   if (motion_file_) motion_file_->finish();
-  if (sources_) write_png(*sources_file_, sources_->draw());
   clip_->finish();
 }
 

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "apps/pictures/source_map.hpp"
 #include "apps/pictures/synthesis_film.hpp"
 #include "apps/synthesis/request.hpp"
 #include "core/io/clip_writer.hpp"
@@ -17,11 +16,11 @@
 
 namespace emberfold::apps {
 
-/// The requested files of a new clip: the clip, its graphs, overlay, film and map of sources. Each gets its
+/// The requested files of a new clip: the clip, its graphs, overlay and film. Each gets its
 /// final name only in finish().
 class SynthOutputs {
  public:
-  /// Keeps references to both. Throws Misuse, core::IoError where a file cannot be written.
+  /// Keeps a reference to the request. Throws Misuse, core::IoError where a file cannot be written.
   SynthOutputs(const SynthRequest& asked, const pipeline::ClipSynthesis& frames);
 
   /// Writes the next frame; to be called while ClipSynthesis::each() hands it over.
@@ -32,21 +31,17 @@ class SynthOutputs {
   [[nodiscard]] int frames() const { return frames_; }
   /// Returns the format of the written clip.
   [[nodiscard]] const core::ClipInfo& info() const { return written_; }
-  /// Returns the map of sources; nothing without --explain.
-  [[nodiscard]] const SourceMap* sources() const { return sources_ ? &*sources_ : nullptr; }
 
  private:
   [[nodiscard]] cv::Mat written_frame(const cv::Mat& frame) const;
 
   const SynthRequest& asked_;
-  const pipeline::ClipSynthesis& synthesis_;
   core::ClipInfo info_, written_;  // of the drawn frames, and of the written ones
   std::unique_ptr<io::VideoWriter> clip_, overlay_;
   std::optional<pipeline::Ground> ground_;  // of the written size
   pipeline::Light light_ = pipeline::Light::display;
   std::optional<SynthesisFilm> film_;
-  std::optional<SourceMap> sources_;
-  std::optional<io::StagedFile> motion_file_, sources_file_;
+  std::optional<io::StagedFile> motion_file_;
   std::optional<graph::MotionGraph> motion_;
   std::vector<graph::Event> events_;
   int frames_ = 0;

@@ -69,7 +69,7 @@ void choose_method(SynthRequest& asked) {
   if (asked.loop && !asked.asked_frames) asked.frames = *asked.loop;
 }
 
-/// Checks the size, the opacity and the map of sources.
+/// Checks the size and the opacity.
 void check_pictures(const SynthRequest& asked) {
   constexpr int kMostSide = 16384;
   for (const auto& [side, what] : {std::pair(asked.width, "--width"), std::pair(asked.height, "--height")})
@@ -79,12 +79,6 @@ void check_pictures(const SynthRequest& asked) {
   if (!asked.alpha.empty() && !io::is_frame_folder(asked.output))
     throw Misuse("--alpha needs a folder of PNG (-o DIR) or of EXR (-o DIR/new_%05d.exr), not " +
                  asked.output);
-  if (asked.explain.empty()) return;
-  if (fs::path(asked.explain).extension() != ".png")
-    throw Misuse("--explain is " + asked.explain + "; it writes a .png");
-  if (!is_of_frames(asked))
-    throw Misuse("--explain tells where in the clip pixels come from; those of --method " +
-                 std::string(name(*asked.method)) + " have no such place");
 }
 
 }  // namespace

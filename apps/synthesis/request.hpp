@@ -14,7 +14,7 @@ namespace emberfold::apps {
 
 /// Request of `emberfold synth`.
 struct SynthRequest {
-  std::string model, output, overlay, motion, film, explain, alpha;
+  std::string model, output, overlay, motion, film, alpha;
   std::optional<pipeline::SynthesisMethod> method;
   int frames = 300;
   std::optional<int> loop, width, height;

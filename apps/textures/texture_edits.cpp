@@ -18,8 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<const char*, 3> kChannels{"blue", "green", "red"};
-
 std::string shortest_text(double value) {
   std::array<char, 32> text{};
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
@@ -35,10 +33,6 @@ std::string list_text(const std::vector<double>& values) {
 class Words {
  public:
   void add(const dytex::Edit& edit) {
-    if (edit.channel != channel_) {
-      channel_ = edit.channel;
-      put("--channel", channel_ ? kChannels[static_cast<std::size_t>(*channel_)] : "all");
-    }
     std::visit([&](const auto& what) { add(what, edit); }, edit.what);
   }
   [[nodiscard]] const std::string& text() const { return text_; }
@@ -75,7 +69,6 @@ class Words {
   }
 
   std::string text_;
-  std::optional<int> channel_;
   bool contrast_ = true;
 };
 
@@ -102,13 +95,6 @@ std::string edit_words(std::span<const dytex::Edit> edits) {
   Words words;
   for (const dytex::Edit& edit : edits) words.add(edit);
   return words.text();
-}
-
-std::optional<int> parse_channel(const std::string& text) {
-  if (text == "all") return std::nullopt;
-  for (std::size_t c = 0; c < kChannels.size(); ++c)
-    if (text == kChannels[c] || text == std::string(1, kChannels[c][0])) return static_cast<int>(c);
-  throw core::InputError("channel is " + text + ", allowed is b, g, r, blue, green, red or all");
 }
 
 std::vector<double> parse_numbers(const std::string& text) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,12 +11,9 @@
 // Writes edits of a linear dynamic texture as options of `emberfold dytex edit`.
 namespace emberfold::apps {
 
-/// Writes edits in their order, as "--speed 2 --channel r --flow 0.5 --no-contrast --coarse 1.5".
+/// Writes edits in their order, as "--speed 2 --flow 0.5 --no-contrast --coarse 1.5".
 /// Parsing gives the same bits. Scales of 1 are omitted.
 std::string edit_words(std::span<const dytex::Edit> edits);
-
-/// Parses b, g, r or blue, green, red as 0 … 2, "all" as nothing. Throws core::InputError for other texts.
-std::optional<int> parse_channel(const std::string& text);
 
 /// Parses numbers separated by commas or white space, from the text itself, otherwise from the file of that
 /// name. Throws core::IoError where neither works.

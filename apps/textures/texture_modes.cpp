@@ -93,7 +93,6 @@ Json texture_json(const dytex::LinearDynamicTexture& texture) {
           {"components", texture.components()},
           {"parameters", pipeline::parameter_count(texture)},
           {"order", texture.order()},
-          {"per_channel", texture.channels.size() > 0},
           {"noise_inputs", texture.B.cols()},
           {"noise_share", finite_json(texture.noise_share, 1e6)},
           {"share_of_variance", finite_json(share_of_variance(texture, texture.components()), 1e6)},
@@ -108,11 +107,10 @@ std::string texture_table(const dytex::LinearDynamicTexture& texture, std::size_
   out << "linear dynamic texture\n  frames              " << info.width << " x " << info.height << ", "
       << (info.channels == 3 ? "colour" : "grey") << ", " << info.fps << " a second\n  learned from        "
       << texture.states.cols() << " frames\n  components          " << texture.components()
-      << (texture.channels.size() > 0 ? ", each of one channel" : "") << "\n  parameters          "
-      << static_cast<std::int64_t>(pipeline::parameter_count(texture)) << "\n  order               "
-      << texture.order() << ", driven by " << noise_text(texture) << "\n  share of variance   "
-      << column(100 * share_of_variance(texture, texture.components()), 0, 2) << " %\n  spectral radius     "
-      << column(dytex::spectral_radius(texture.A), 0, 5)
+      << "\n  parameters          " << static_cast<std::int64_t>(pipeline::parameter_count(texture))
+      << "\n  order               " << texture.order() << ", driven by " << noise_text(texture)
+      << "\n  share of variance   " << column(100 * share_of_variance(texture, texture.components()), 0, 2)
+      << " %\n  spectral radius     " << column(dytex::spectral_radius(texture.A), 0, 5)
       << "\n  left out            r = " << std::setprecision(4) << texture.r << " levels^2 (SD "
       << std::sqrt(texture.r) << " levels" << (texture.noise.size() > 0 ? ", by place)\n" : ")\n");
   const auto modes = texture_modes(texture);

@@ -10,15 +10,12 @@
 #include "core/text/check_range.hpp"
 #include "core/text/format_number.hpp"
 #include "dytex/editing/edit_dynamics.hpp"
-#include "dytex/editing/edit_groups.hpp"
 #include "dytex/learning/decompositions.hpp"
 
 namespace emberfold::dytex {
 
 namespace {
 
-using detail::Group;
-using detail::groups;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -52,14 +49,10 @@ struct Work {
   void note(const std::string& text) { result.notes.push_back(text); }
 };
 
-/// tr W P W of the group's components; unweighted where all weights are 0.
-double contrast(const LinearDynamicTexture& texture, const Group& group, const MatrixXd& P) {
-  VectorXd variances(group.shown), weights(group.shown);
-  for (Index i = 0; i < group.shown; ++i) {
-    variances[i] = P(i, i);
-    weights[i] = texture.weights[group.states[static_cast<std::size_t>(i)]];
-  }
-  const double shown = variances.dot(weights.cwiseAbs2());
+/// tr W P W of the components; unweighted where all weights are 0.
+double contrast(const LinearDynamicTexture& texture, const MatrixXd& P) {
+  const VectorXd variances = P.diagonal().head(texture.components());
+  const double shown = variances.dot(texture.weights.cwiseAbs2());
   return shown > 0 ? shown : variances.sum();
 }
 
@@ -80,35 +73,21 @@ void note_losses(Work& work, const detail::EditedDynamics& edited) {
         " % of the noise that would was negative and was cut");
 }
 
-/// Stores the group's new dynamics.
-void store_group(Work& work, const Group& group, const detail::EditedDynamics& edited) {
-  LinearDynamicTexture& texture = work.texture();
-  texture.A(group.states, group.states) = edited.A;
-  if (edited.B.cols() > texture.B.cols()) {
-    const Index before = texture.B.cols();
-    texture.B.conservativeResize(Eigen::NoChange, edited.B.cols());
-    texture.B.rightCols(edited.B.cols() - before).setZero();
-  }
-  texture.B(group.states, Eigen::seq(0, edited.B.cols() - 1)) = edited.B;
-}
-
 using Change = std::function<detail::EditedDynamics(const MatrixXd&, const MatrixXd&)>;
 
-/// Makes a new A for every group; `rescale`: scales B to keep the contrast.
+/// Makes a new A; `rescale`: scales B to keep the contrast.
 void change_dynamics(Work& work, const Change& change, bool keep_noise, bool rescale) {
-  for (const Group& group : groups(work.texture(), work.edit->channel)) {
-    const MatrixXd A = work.texture().A(group.states, group.states);
-    const MatrixXd B = work.texture().B(group.states, Eigen::all);
-    detail::EditedDynamics edited = change(A, B);
-    if (keep_noise) edited.B = B;
-    if (rescale) {
-      const double before = contrast(work.texture(), group, stationary_covariance(A, B));
-      const double after = contrast(work.texture(), group, stationary_covariance(edited.A, edited.B));
-      if (after > 0) edited.B *= std::sqrt(before / after);
-    }
-    note_losses(work, edited);
-    store_group(work, group, edited);
+  LinearDynamicTexture& texture = work.texture();
+  detail::EditedDynamics edited = change(texture.A, texture.B);
+  if (keep_noise) edited.B = texture.B;
+  if (rescale) {
+    const double before = contrast(texture, stationary_covariance(texture.A, texture.B));
+    const double after = contrast(texture, stationary_covariance(edited.A, edited.B));
+    if (after > 0) edited.B *= std::sqrt(before / after);
   }
+  note_losses(work, edited);
+  texture.A = edited.A;
+  texture.B = edited.B;
 }
 
 void apply(Work& work, const Speed& speed) {
@@ -136,53 +115,42 @@ void apply(Work& work, const Reverse&) {
 }
 
 void apply(Work& work, const Intensity& intensity) {
-  if (intensity.factor == 1) return;
-  for (const Group& group : groups(work.texture(), work.edit->channel))
-    work.texture().B(group.states, Eigen::all) *= std::sqrt(intensity.factor);
+  if (intensity.factor != 1) work.texture().B *= std::sqrt(intensity.factor);
 }
 
 void apply(Work& work, const Directions& directions) {
   if (std::ranges::all_of(directions.factors, [](double f) { return f == 1; })) return;
   const auto count = static_cast<Index>(directions.factors.size());
-  for (const Group& group : groups(work.texture(), work.edit->channel)) {
-    const auto size = static_cast<Index>(group.states.size());
-    if (count > size)
-      throw core::InputError("directions has " + std::to_string(count) + " numbers, Q has " +
-                             std::to_string(size) + " eigenvalues");
-    const MatrixXd B = work.texture().B(group.states, Eigen::all);
-    const MatrixXd U = detail::symmetric_eigen(B * B.transpose()).vectors;
-    VectorXd scale = VectorXd::Ones(size);
-    scale.head(count) = Eigen::Map<const VectorXd>(directions.factors.data(), count).cwiseSqrt();
-    work.texture().B(group.states, Eigen::all) = U * scale.asDiagonal() * (U.transpose() * B);
-  }
+  const MatrixXd B = work.texture().B;
+  if (count > B.rows())
+    throw core::InputError("directions has " + std::to_string(count) + " numbers, Q has " +
+                           std::to_string(B.rows()) + " eigenvalues");
+  const MatrixXd U = detail::symmetric_eigen(B * B.transpose()).vectors;
+  VectorXd scale = VectorXd::Ones(B.rows());
+  scale.head(count) = Eigen::Map<const VectorXd>(directions.factors.data(), count).cwiseSqrt();
+  work.texture().B = U * scale.asDiagonal() * (U.transpose() * B);
 }
 
 void apply(Work& work, const Scales& scales) {
   const std::array factors{scales.coarse, scales.medium, scales.fine};
   constexpr std::array names{"coarse", "medium", "fine"};
-  std::array<bool, 3> found{};
-  for (const Group& group : groups(work.texture(), work.edit->channel))
-    for (Index i = 0; i < group.shown; ++i) {
-      const std::size_t scale = i < kLastCoarse ? 0 : i < kLastMedium ? 1 : 2;
-      work.texture().weights[group.states[static_cast<std::size_t>(i)]] *= factors[scale];
-      found[scale] = true;
-    }
+  constexpr std::array<Index, 3> first{0, kLastCoarse, kLastMedium};
+  LinearDynamicTexture& texture = work.texture();
+  for (Index i = 0; i < texture.components(); ++i)
+    texture.weights[i] *= factors[i < kLastCoarse ? 0 : i < kLastMedium ? 1 : 2];
   for (std::size_t scale = 0; scale < 3; ++scale)
-    if (factors[scale] != 1 && !found[scale])
+    if (factors[scale] != 1 && texture.components() <= first[scale])
       work.note(std::string("the model has no ") + names[scale] + " components: it is of order " +
-                std::to_string(work.texture().components()));
+                std::to_string(texture.components()));
 }
 
 void apply(Work& work, const Weights& weights) {
+  LinearDynamicTexture& texture = work.texture();
   const auto count = static_cast<Index>(weights.factors.size());
-  for (const Group& group : groups(work.texture(), work.edit->channel)) {
-    if (count > group.shown)
-      throw core::InputError("weights has " + std::to_string(count) + " numbers, there are " +
-                             std::to_string(group.shown) + " components");
-    for (Index i = 0; i < count; ++i)
-      work.texture().weights[group.states[static_cast<std::size_t>(i)]] *=
-          weights.factors[static_cast<std::size_t>(i)];
-  }
+  if (count > texture.components())
+    throw core::InputError("weights has " + std::to_string(count) + " numbers, there are " +
+                           std::to_string(texture.components()) + " components");
+  texture.weights.head(count).array() *= Eigen::Map<const Eigen::ArrayXd>(weights.factors.data(), count);
 }
 
 }  // namespace
@@ -203,8 +171,6 @@ void validate(const Edit& edit) {
                  },
                  [](const Weights& e) { check_all("weights", e.factors, kMostWeight); }},
       edit.what);
-  if (edit.channel && (*edit.channel < 0 || *edit.channel > 2))
-    throw core::InputError("channel is " + std::to_string(*edit.channel) + "; allowed is 0 to 2");
 }
 
 EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits) {

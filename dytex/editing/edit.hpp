@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -48,7 +47,7 @@ struct Directions {
 };
 
 /// Multiplies the weights of the paper's three groups (2003, eq. 3): components 1 to 5, 6 to 15 and from 16
-/// on; of a model per channel, each channel's.
+/// on.
 struct Scales {
   double coarse = 1, medium = 1, fine = 1;  ///< 0 … 10; the paper's go to 2
 
@@ -62,11 +61,8 @@ struct Weights {
 
 struct Edit {
   std::variant<Speed, Flow, Reverse, Intensity, Directions, Scales, Weights> what;
-  /// Only this channel's components, where the model has some for each (0 … 2: blue, green, red); with a
-  /// model of all channels an InputError.
-  std::optional<int> channel = {};
-  /// Speed and Flow: Q is rescaled so that the variance of what is shown, tr W P W, stays. Of a model per
-  /// channel each channel's does. Without, B is unchanged.
+  /// Speed and Flow: Q is rescaled so that the variance of what is shown, tr W P W, stays. Without, B is
+  /// unchanged.
   bool keep_contrast = true;
 };
 
@@ -81,10 +77,8 @@ struct EditResult {
 
 /// Applies the edits in their order. Mean, C, r, noise, states and singular are unchanged; every A' is
 /// stable. A factor of 1 changes no bit. Poles too close to be separated (nearly defective A) are turned
-/// together, by their mean phase. The residuals stay unless the noise got more inputs, which a note reports;
-/// marginals stay, and further inputs are normal. Throws InputError for edits that validate() refuses, lists
-/// that are too long, or a channel that the model does not have; NumericalError where a decomposition fails.
-/// O(N⁴) at worst, in practice O(N³); C is not touched.
+/// together, by their mean phase. Throws InputError for edits that validate() refuses and lists that are too
+/// long; NumericalError where a decomposition fails. O(N⁴) at worst, in practice O(N³); C is not touched.
 EditResult edit(LinearDynamicTexture texture, std::span<const Edit> edits);
 
 /// Returns the edits named after a picture in the paper's figures (2003, Fig. 2; 2002, Figs. 2 to 5):

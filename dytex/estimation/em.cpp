@@ -36,9 +36,7 @@ void check_start(const LinearDynamicTexture& start, const core::ClipInfo& info) 
   if (start.order() != start.components())
     fail_likelihood("the start has states of " + std::to_string(start.order()) + " numbers for " +
                     std::to_string(start.components()) +
-                    " components; models of lag 1 alone can be improved");
-  if (start.channels.size() > 0)
-    fail_likelihood("the start is a model per channel; one of all channels is needed");
+                    " components; models in closed form alone can be improved");
   if ((start.weights.array() != 1).any())
     fail_likelihood("the start was edited; a model as it was learned is needed");
 }

@@ -179,16 +179,6 @@ void make_components(const FrameValues& values, std::size_t first, const Eigen::
   });
 }
 
-void keep_channels(const Eigen::VectorXi& channels, int of_channels, Eigen::MatrixXf& C,
-                   const core::Context& context) {
-  core::parallel_for(static_cast<std::size_t>(C.cols()), context, [&](std::size_t i) {
-    const auto j = static_cast<Eigen::Index>(i);
-    float* value = C.col(j).data();
-    for (Eigen::Index p = 0; p < C.rows(); ++p)
-      if (p % of_channels != channels[j]) value[p] = 0;
-  });
-}
-
 void orthonormalise(Eigen::MatrixXf& C, const core::Context& context) {
   const Eigen::Index n = C.cols();
   if (n == 0) return;

@@ -30,10 +30,6 @@ void add_components(const FrameValues& values, std::size_t first, const Eigen::V
 void make_components(const FrameValues& values, std::size_t first, const Eigen::VectorXd& mean,
                      const Eigen::MatrixXd& weights, Eigen::MatrixXf& C, const core::Context& context);
 
-/// Sets C to 0 where a row is not of its column's channel.
-void keep_channels(const Eigen::VectorXi& channels, int of_channels, Eigen::MatrixXf& C,
-                   const core::Context& context);
-
 /// Makes C's columns orthonormal again after rounding: C ← C L⁻ᵀ with CᵀC = L Lᵀ. NumericalError
 /// where columns depend on each other. O(m n²).
 void orthonormalise(Eigen::MatrixXf& C, const core::Context& context);

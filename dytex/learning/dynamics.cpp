@@ -20,70 +20,32 @@ constexpr double kHeldRadius = 1 - 1e-9;
 constexpr int kDoublings = 20;          // a mean over 2^20 frames
 constexpr double kVarianceRatio = 1.5;  // drawn to learned; beyond it a note warns
 
-/// One block's fit, in states of unit size: A and `states` of the whole state, layer by layer; errors of its
-/// first layer, the only one that noise enters.
+/// A fit in states of unit size.
 struct Fit {
-  Eigen::MatrixXd A, states;
-  Eigen::MatrixXd noise;  ///< F with F Fᵀ the noise's covariance
+  Eigen::MatrixXd A, states;  ///< of the whole state
+  Eigen::MatrixXd noise;      ///< F with F Fᵀ the noise's covariance; of the components, which it enters
 };
 
-/// (v(t), …, v(t + 1 − lags)) for t from `first` to `last`, a row each; 0 outside the clip.
-Eigen::MatrixXd lagged_rows(const Eigen::MatrixXd& V, Eigen::Index lags, Eigen::Index first,
-                            Eigen::Index last) {
-  const Eigen::Index n = V.cols();
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(last - first + 1, n * lags);
-  for (Eigen::Index k = 0; k < lags; ++k) {
-    const Eigen::Index from = std::max<Eigen::Index>(first - k, 0),
-                       to = std::min<Eigen::Index>(last - k, V.rows() - 1);
-    if (from <= to) rows.block(from + k - first, k * n, to - from + 1, n) = V.middleRows(from, to - from + 1);
-  }
-  return rows;
+Fit regression_of(const Eigen::MatrixXd& V, const Eigen::MatrixXd& A) {
+  const Eigen::Index gaps = V.rows() - 1;
+  const Eigen::MatrixXd past = V.topRows(gaps);
+  return {A, V.transpose(),
+          (V.bottomRows(gaps).transpose() - A * past.transpose()) / std::sqrt(static_cast<double>(gaps))};
 }
 
-/// Returns the companion form of x(t+1) = (A₁ … A_lags) (x(t), …): each layer becomes the next one's.
-Eigen::MatrixXd companion(const Eigen::MatrixXd& first) {
-  const Eigen::Index n = first.rows(), order = first.cols();
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(order, order);
-  A.topRows(n) = first;
-  A.bottomLeftCorner(order - n, order - n).setIdentity();
-  return A;
-}
-
-/// The states of all frames; those before the clip are assumed to be its first frame.
-Eigen::MatrixXd all_states(const Eigen::MatrixXd& V, Eigen::Index lags) {
-  Eigen::MatrixXd longer(V.rows() + lags - 1, V.cols());
-  longer.topRows(lags - 1) = V.row(0).replicate(lags - 1, 1);
-  longer.bottomRows(V.rows()) = V;
-  return lagged_rows(longer, lags, lags - 1, longer.rows() - 1).transpose();
-}
-
-Fit regression_of(const Eigen::MatrixXd& V, Eigen::Index lags, const Eigen::MatrixXd& first) {
-  const Eigen::Index frames = V.rows();
-  Fit fit{companion(first), all_states(V, lags), {}};
-  fit.noise = (V.bottomRows(frames - lags).transpose() -
-               first * lagged_rows(V, lags, lags - 1, frames - 2).transpose()) /
-              std::sqrt(static_cast<double>(frames - lags));
-  return fit;
-}
-
-Fit least_squares_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
-  const Eigen::Index frames = V.rows();
-  return regression_of(
-      V, lags,
-      least_squares(lagged_rows(V, lags, lags - 1, frames - 2), V.bottomRows(frames - lags)).transpose());
+Fit least_squares_fit(const Eigen::MatrixXd& V) {
+  const Eigen::Index gaps = V.rows() - 1;
+  return regression_of(V, least_squares(V.topRows(gaps), V.bottomRows(gaps)).transpose());
 }
 
 /// Fits with zeros before and after the clip: always stable, and F Fᵀ = P − A P Aᵀ, P the data's covariance.
-Fit yule_walker_fit(const Eigen::MatrixXd& V, Eigen::Index lags) {
-  const Eigen::Index n = V.cols(), frames = V.rows(), rows = frames + lags;
-  const Eigen::MatrixXd past = lagged_rows(V, lags, -1, frames + lags - 2);
-  Eigen::MatrixXd next = Eigen::MatrixXd::Zero(rows, n);
+Fit yule_walker_fit(const Eigen::MatrixXd& V) {
+  const Eigen::Index n = V.cols(), frames = V.rows();
+  Eigen::MatrixXd past = Eigen::MatrixXd::Zero(frames + 1, n), next = past;
+  past.bottomRows(frames) = V;
   next.topRows(frames) = V;
-  // With one lag the states' covariance is the identity.
-  const Eigen::MatrixXd first =
-      lags == 1 ? Eigen::MatrixXd(next.transpose() * past) : least_squares(past, next).transpose();
-  Fit fit = regression_of(V, lags, first);
-  fit.noise = (next.transpose() - first * past.transpose()) / std::sqrt(static_cast<double>(frames));
+  Fit fit = regression_of(V, next.transpose() * past);  // the states' covariance is the identity
+  fit.noise = (next.transpose() - fit.A * past.transpose()) / std::sqrt(static_cast<double>(frames));
   return fit;
 }
 
@@ -134,57 +96,38 @@ std::string decimal_text(double value) {
   return text;
 }
 
-/// Fits by least squares where all blocks have a stable fit that leaves noise; else by its replacement.
-std::vector<Fit> closed_form(const std::vector<Block>& blocks, const LearnOptions& options,
-                             Dynamics& result) {
-  std::vector<Fit> fits;
-  for (const Block& block : blocks) {
-    fits.push_back(least_squares_fit(block.V, options.lags));
-    if (options.method == Method::closed_form && is_undamped(fits.back()))
-      if (auto undamped = undamped_fit(fits.back())) {
-        fits.back() = *std::move(undamped);
-        result.notes.emplace_back("the clip is waves without noise, which are kept undamped");
-      }
-    const double radius = spectral_radius(fits.back().A);
-    result.least_squares_radius = std::max(result.least_squares_radius, radius);
-    if (radius < 1 && is_noiseless(fits.back())) result.noiseless = true;
-  }
+/// Fits by least squares where that is stable and leaves noise; else by its replacement.
+Fit closed_form(const Eigen::MatrixXd& V, const LearnOptions& options, Dynamics& result) {
+  Fit fit = least_squares_fit(V);
+  if (options.method == Method::closed_form && is_undamped(fit))
+    if (auto undamped = undamped_fit(fit)) {
+      fit = *std::move(undamped);
+      result.notes.emplace_back("the clip is waves without noise, which are kept undamped");
+    }
+  result.least_squares_radius = spectral_radius(fit.A);
   const bool stable = result.least_squares_radius < 1;
-  if (stable && !result.noiseless) return fits;
+  result.noiseless = stable && is_noiseless(fit);
+  if (stable && !result.noiseless) return fit;
   const std::string reason = stable ? "the least-squares fit leaves no noise to go on from"
                                     : "the least-squares fit is not stable (spectral radius " +
                                           decimal_text(result.least_squares_radius) + ")";
   result.transition = Transition::yule_walker;
   result.notes.push_back(reason + ": the Yule-Walker fit is taken");
-  for (std::size_t i = 0; i < blocks.size(); ++i) fits[i] = yule_walker_fit(blocks[i].V, options.lags);
-  return fits;
+  return yule_walker_fit(V);
 }
 
-/// Fits the innovations forms; where one is not found, the closed form is kept.
-std::vector<Fit> innovations_forms(const std::vector<Block>& blocks, std::vector<Fit> fits,
-                                   Dynamics& result) {
-  std::vector<Fit> better;
-  for (const Block& block : blocks) {
-    const auto found = n4sid(block.V);
-    if (!found) {
-      result.notes.emplace_back(
-          "the subspaces of the clip have no state of as many dimensions as there are "
-          "components: the closed form is kept");
-      return fits;
-    }
-    if (!found->note.empty()) result.notes.push_back(found->note);
-    better.push_back(innovations_fit(block.V, *found));
+/// Fits the innovations form; where none is found, the closed form is kept.
+Fit innovations_form(const Eigen::MatrixXd& V, Fit closed, Dynamics& result) {
+  const auto found = n4sid(V);
+  if (!found) {
+    result.notes.emplace_back(
+        "the subspaces of the clip have no state of as many dimensions as there are "
+        "components: the closed form is kept");
+    return closed;
   }
+  if (!found->note.empty()) result.notes.push_back(found->note);
   result.transition = Transition::n4sid;
-  return better;
-}
-
-/// A block's rows in the model: layer by layer, in each in the order of the components.
-std::vector<Eigen::Index> rows_of(const Block& block, Eigen::Index n, Eigen::Index layers) {
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index layer = 0; layer < layers; ++layer)
-    for (const Eigen::Index place : block.places) rows.push_back(layer * n + place);
-  return rows;
+  return innovations_fit(V, *found);
 }
 
 /// Returns F with F Fᵀ = noise noiseᵀ, or the strongest part of it in the requested number of inputs.
@@ -199,39 +142,12 @@ Eigen::MatrixXd driving_factor(const Eigen::MatrixXd& noise, const LearnOptions&
   return B.leftCols(rank);
 }
 
-void assemble(const std::vector<Block>& blocks, const std::vector<Fit>& fits, const LearnOptions& options,
-              Dynamics& result) {
-  Eigen::Index n = 0;
-  for (const Block& block : blocks) n += block.V.cols();
-  const Eigen::Index layers = fits[0].A.rows() / blocks[0].V.cols(), order = n * layers;
-  result.A = Eigen::MatrixXd::Zero(order, order);
-  result.states.resize(order, fits[0].states.cols());
-  Eigen::MatrixXd noise(n, fits[0].noise.cols());
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const Eigen::VectorXd& s = blocks[i].s;
-    const Eigen::VectorXd scale = s.replicate(layers, 1);
-    const auto rows = rows_of(blocks[i], n, layers);
-    result.A(rows, rows) = scale.asDiagonal() * fits[i].A * scale.cwiseInverse().asDiagonal();
-    result.states(rows, Eigen::all) = scale.asDiagonal() * fits[i].states;
-    noise(blocks[i].places, Eigen::all) = s.asDiagonal() * fits[i].noise;
-  }
-  const Eigen::MatrixXd B = driving_factor(noise, options, result);
-  result.B = Eigen::MatrixXd::Zero(order, B.cols());
-  result.B.topRows(n) = B;
-}
-
-void check_frames(const std::vector<Block>& blocks, const LearnOptions& options) {
-  for (const Block& block : blocks) {
-    const Eigen::Index n = block.V.cols(), frames = block.V.rows();
-    const auto need = [&](Eigen::Index least, const std::string& what) {
-      if (frames < least)
-        throw core::InputError(what + " of " + std::to_string(n) +
-                               (n == 1 ? " component needs" : " components needs") + " at least " +
-                               std::to_string(least) + " frames, the clip has " + std::to_string(frames));
-    };
-    if (options.lags > 1) need(n * options.lags + 2, "lags: an auto-regression");
-    if (options.method == Method::n4sid) need(n4sid_frames(n), "method: n4sid");
-  }
+void check_frames(const Eigen::MatrixXd& V, const LearnOptions& options) {
+  const Eigen::Index n = V.cols(), frames = V.rows(), least = n4sid_frames(n);
+  if (options.method == Method::n4sid && frames < least)
+    throw core::InputError("method: n4sid of " + std::to_string(n) +
+                           (n == 1 ? " component needs" : " components needs") + " at least " +
+                           std::to_string(least) + " frames, the clip has " + std::to_string(frames));
 }
 
 }  // namespace
@@ -265,21 +181,25 @@ Eigen::VectorXd variance_within(const Eigen::MatrixXd& A, const Eigen::MatrixXd&
   return P.diagonal() - (2 * (weighted * P).diagonal() - t * P.diagonal()) / (t * t);
 }
 
-Dynamics fit_dynamics(const std::vector<Block>& all, const LearnOptions& options) {
+Dynamics fit_dynamics(const UnitStates& states, const LearnOptions& options) {
+  const auto& [s, V] = states;
+  const Eigen::Index n = V.cols();
   Dynamics result;
-  std::vector<Block> blocks;
-  for (const Block& block : all)
-    if (block.V.cols() > 0) blocks.push_back(block);
-  if (blocks.empty()) {
+  if (n == 0) {
     result.A = result.B = Eigen::MatrixXd(0, 0);
-    result.states.resize(0, all.empty() ? 0 : all[0].V.rows());
+    result.states.resize(0, V.rows());
     return result;
   }
-  check_frames(blocks, options);
-  std::vector<Fit> fits = closed_form(blocks, options, result);
-  if (options.method == Method::n4sid && !result.noiseless)
-    fits = innovations_forms(blocks, std::move(fits), result);
-  assemble(blocks, fits, options, result);
+  check_frames(V, options);
+  Fit fit = closed_form(V, options, result);
+  if (options.method == Method::n4sid && !result.noiseless) fit = innovations_form(V, std::move(fit), result);
+  const Eigen::Index order = fit.A.rows();
+  const Eigen::VectorXd scale = s.replicate(order / n, 1);
+  result.A = scale.asDiagonal() * fit.A * scale.cwiseInverse().asDiagonal();
+  result.states = scale.asDiagonal() * fit.states;
+  const Eigen::MatrixXd B = driving_factor(s.asDiagonal() * fit.noise, options, result);
+  result.B = Eigen::MatrixXd::Zero(order, B.cols());
+  result.B.topRows(n) = B;
   return result;
 }
 

@@ -11,12 +11,10 @@
 
 namespace emberfold::dytex::detail {
 
-/// States that move independently, X = diag(s) Vᵀ (n × τ): of all components, or of one channel's. V, τ × n,
-/// has orthonormal columns that sum to 0; s > 0.
-struct Block {
+/// The states of all frames, X = diag(s) Vᵀ (n × τ). V, τ × n, has orthonormal columns that sum to 0; s > 0.
+struct UnitStates {
   Eigen::VectorXd s;
   Eigen::MatrixXd V;
-  std::vector<Eigen::Index> places;  ///< n: indices of these components in the model
 };
 
 /// x(t+1) = A x(t) + B v(t), fitted to states.
@@ -38,9 +36,8 @@ std::optional<std::string> variance_note(double drawn, double seen);
 /// where poles are slow. A is stable. O(n³ log frames).
 Eigen::VectorXd variance_within(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::Index frames);
 
-/// Fits x(t+1) = A x(t) + B v(t) to every block separately, with common noise. With `lags` or the innovations
-/// form, the state's first n numbers are the components, and the others follow in the same order. Throws
-/// InputError where frames are too few. For the closed form O(n² τ + n³).
-Dynamics fit_dynamics(const std::vector<Block>& blocks, const LearnOptions& options);
+/// Fits x(t+1) = A x(t) + B v(t). With the innovations form, the state's first n numbers are the components,
+/// and their forecasts follow. Throws InputError where frames are too few. For the closed form O(n² τ + n³).
+Dynamics fit_dynamics(const UnitStates& states, const LearnOptions& options);
 
 }  // namespace emberfold::dytex::detail

@@ -42,13 +42,9 @@ void widen(const FrameValues& values, std::size_t first, std::size_t last, std::
            std::vector<std::int16_t>& rows) {
   const std::size_t count = std::min(kDotLength, values.count - begin);
   for (std::size_t i = first; i < last; ++i) {
-    const std::uint8_t* from = values.frame<std::uint8_t>(i) + begin * values.step;
+    const std::uint8_t* from = values.frame<std::uint8_t>(i) + begin;
     std::int16_t* to = rows.data() + (i - first) * kDotLength;
-    if (values.step == 1)
-      for (std::size_t p = 0; p < count; ++p) to[p] = from[p];
-    else
-      for (std::size_t p = 0; p < count; ++p) to[p] = from[p * values.step];
-    std::fill(to + count, to + kDotLength, std::int16_t{0});
+    std::fill(std::copy_n(from, count, to), to + kDotLength, std::int16_t{0});
   }
 }
 
@@ -93,10 +89,9 @@ void add_values(const FrameValues& values, const Tile& tile, Eigen::MatrixXd& gr
                 const core::Context& context) {
   const auto convert = [&](std::size_t first, std::size_t begin, Eigen::Index rows, Eigen::MatrixXd& to) {
     for (Eigen::Index k = 0; k < to.cols(); ++k) {
-      const Value* from = values.frame<Value>(first + static_cast<std::size_t>(k)) + begin * values.step;
-      to.col(k).head(rows) = Eigen::Map<const Eigen::Vector<Value, Eigen::Dynamic>, 0, Eigen::InnerStride<>>(
-                                 from, rows, Eigen::InnerStride<>(static_cast<Eigen::Index>(values.step)))
-                                 .template cast<double>();
+      const Value* from = values.frame<Value>(first + static_cast<std::size_t>(k)) + begin;
+      to.col(k).head(rows) =
+          Eigen::Map<const Eigen::Vector<Value, Eigen::Dynamic>>(from, rows).template cast<double>();
     }
   };
   Eigen::MatrixXd left(kBlock, tile.rows()), right(kBlock, tile.diagonal() ? 0 : tile.columns());
@@ -123,17 +118,6 @@ void add_gram(const FrameValues& values, Eigen::MatrixXd& gram, const core::Cont
       add_values<float>(values, tiles[i], gram, context);
     });
   }
-}
-
-FrameValues channel_values(const FrameValues& values, std::size_t first, std::size_t channels,
-                           std::size_t channel) {
-  const std::size_t skip = (channel + channels - first % channels) % channels;
-  FrameValues result = values;
-  result.step = channels;
-  result.count = values.count > skip ? (values.count - skip + channels - 1) / channels : 0;
-  for (const void*& frame : result.frames)
-    frame = static_cast<const unsigned char*>(frame) + skip * CV_ELEM_SIZE1(values.depth);
-  return result;
 }
 
 Eigen::MatrixXd centred(const Eigen::MatrixXd& gram) {

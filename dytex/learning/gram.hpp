@@ -14,23 +14,17 @@ namespace emberfold::dytex::detail {
 /// however frames are cut, if the cuts are between blocks.
 constexpr std::size_t kBlock = 256;
 
-/// Points to the same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F): every `step`-th
-/// from the pointer on.
+/// Points to the same `count` values of every frame, of one depth (CV_8U, CV_16U or CV_32F).
 struct FrameValues {
   std::vector<const void*> frames;
   std::size_t count = 0;
   int depth = 0;
-  std::size_t step = 1;
 
   template <class Value>
   [[nodiscard]] const Value* frame(std::size_t index) const {
     return static_cast<const Value*>(frames[index]);
   }
 };
-
-/// Picks the values of one channel, of values that begin with value `first` of a frame.
-FrameValues channel_values(const FrameValues& values, std::size_t first, std::size_t channels,
-                           std::size_t channel);
 
 /// Adds Yᵀ Y to `gram` (τ × τ, lower half; the upper half is unchanged), Y having a frame's values in each
 /// column. 8-bit values are summed in whole numbers: exact as long as entries stay below 2⁵³. Others in

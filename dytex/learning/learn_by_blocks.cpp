@@ -12,7 +12,7 @@
 #include "core/error.hpp"
 #include "dytex/learning/components.hpp"
 #include "dytex/learning/decompositions.hpp"
-#include "dytex/learning/fitted_spectra.hpp"
+#include "dytex/learning/fitted_spectrum.hpp"
 #include "dytex/learning/frame_blocks.hpp"
 #include "dytex/learning/gram.hpp"
 #include "dytex/learning/model_order.hpp"
@@ -41,13 +41,11 @@ Index kept_directions(const LearnOptions& options) {
   return options.energy ? kForShare : std::max(2 * n, n + kSpareDirections);
 }
 
-void refuse_all_at_once(const LearnOptions& options, const core::ClipInfo& info) {
+void refuse_all_at_once(const LearnOptions& options) {
   if (options.order != Order::given)
     throw core::InputError(
         "order: a rule needs all frames at once; for blocks give the number of components "
         "or a share of the variance");
-  if (options.channels != Channels::joint && info.channels > 1)
-    throw core::InputError("channels: separate ones need all frames at once; by blocks they are joint");
 }
 
 std::size_t frames_of_block(const core::ClipInfo& info, std::size_t memory, std::size_t asked) {
@@ -188,7 +186,7 @@ LearnResult learn_by_blocks(core::FrameSource& source, const LearnOptions& optio
                             const core::Context& context) {
   options.validate();
   core::ClipInfo info = source.info();
-  refuse_all_at_once(options, info);
+  refuse_all_at_once(options);
   const std::size_t some = frames_of_block(info, options.memory, block);
   SeenFrames seen = see_frames(source, some, kept_directions(options), context);
   const Index frames = seen.V.rows();
@@ -197,7 +195,7 @@ LearnResult learn_by_blocks(core::FrameSource& source, const LearnOptions& optio
   fix_signs(seen);
   info.frames = frames;
   const double to_levels = 255 / info.white;
-  LearnResult result = detail::fit_spectra({whole_spectrum(seen, to_levels)}, {}, info, options).result;
+  LearnResult result = detail::fit_spectrum(whole_spectrum(seen, to_levels), {}, info, options).result;
   context.report("making components", 0);
   const Index n = result.texture.components();
   result.texture.C = seen.scores.leftCols(n);

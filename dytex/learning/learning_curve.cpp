@@ -43,9 +43,7 @@ Miss forecast_miss(const Eigen::MatrixXd& gram, Eigen::Index target, Eigen::Inde
   const Eigen::VectorXd s = eigen.values.head(n).cwiseSqrt();
   const Eigen::MatrixXd V = eigen.vectors.leftCols(n);
   const Eigen::VectorXd x = (V.transpose() * products).cwiseQuotient(s);
-  detail::Block block{s, V, {}};
-  for (Eigen::Index i = 0; i < n; ++i) block.places.push_back(i);
-  const detail::Dynamics dynamics = detail::fit_dynamics({block}, {});
+  const detail::Dynamics dynamics = detail::fit_dynamics({s, V}, {});
   const Eigen::VectorXd last = s.cwiseProduct(V.row(length - 1).transpose());
   Miss result;
   result.left_out = std::max(square - x.squaredNorm(), 0.0);

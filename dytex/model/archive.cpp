@@ -205,15 +205,6 @@ void read_second_version(const nlohmann::json& json, const core::ModelArchive& a
   if (!each.is_boolean()) refuse_archive("\"noise_per_value\" must be true or false");
   if (each.get<bool>()) texture.noise = read_matrix<float>(archive, "noise", {extents.values});
   if (json.contains("noise_share")) texture.noise_share = number(json, "noise_share");
-  const auto channels = json.find("component_channels");
-  if (channels == json.end()) return;
-  if (!channels->is_array() || channels->size() != extents.components)
-    refuse_archive("\"component_channels\" must be a list of " + std::to_string(extents.components) +
-                   " numbers");
-  texture.channels.resize(static_cast<Eigen::Index>(channels->size()));
-  for (std::size_t i = 0; i < channels->size(); ++i)
-    texture.channels[static_cast<Eigen::Index>(i)] =
-        static_cast<int>(whole_number({{"component_channels", (*channels)[i]}}, "component_channels", 0, 2));
 }
 
 }  // namespace
@@ -239,8 +230,6 @@ core::ModelView archive_view(const LinearDynamicTexture& texture) {
   json["r"] = texture.r;
   json["noise_per_value"] = texture.noise.size() > 0;
   if (texture.noise_share < 1) json["noise_share"] = texture.noise_share;
-  if (texture.channels.size() > 0)
-    json["component_channels"] = std::vector<int>(texture.channels.begin(), texture.channels.end());
   core::ModelView archive{json.dump(2) + "\n", {}};
   archive.arrays["C"] = array_of(texture.C);
   archive.arrays["mean"] = array_of(texture.mean);
@@ -287,9 +276,7 @@ LinearDynamicTexture linear_dynamic_texture(const core::ModelArchive& archive) {
   texture.states = read_matrix<double>(archive, "states", {order, frames});
   texture.weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
   if (!first_version) read_second_version(json, archive, {m, n}, texture);
-  const std::size_t spectra =
-      texture.channels.size() > 0 ? static_cast<std::size_t>(texture.info.channels) : 1;
-  texture.singular = read_matrix<double>(archive, "singular", {spectra * frames});
+  texture.singular = read_matrix<double>(archive, "singular", {frames});
   try {
     validate(texture);
   } catch (const core::InputError& error) {

@@ -6,13 +6,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <opencv2/imgproc.hpp>
 
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
@@ -20,7 +17,6 @@
 #include "graph/events/events.hpp"
 #include "mcmc/simulation/linked_frames.hpp"
 #include "pipeline/footage/between_frames.hpp"
-#include "pipeline/footage/motion_scale.hpp"
 #include "pipeline/footage/turn.hpp"
 
 namespace emberfold::pipeline {
@@ -60,8 +56,7 @@ CarriedSynthesis::CarriedSynthesis(std::vector<cv::Mat> footage, graph::MotionGr
       options_(options),
       moments_(compare_moments(clip_->frames(), context)),
       order_(moments_, {.seed = options.seed, .loop = played_loop()}),
-      play_(clip_, played_edit(options.edit), options.gaps, options.seed, played_loop()),
-      moves_(moving_pixels(clip_->frames())) {
+      play_(clip_, played_edit(options.edit), options.gaps, options.seed, played_loop()) {
   if (options.loop) play_rounds(context);
 }
 
@@ -118,30 +113,6 @@ cv::Mat CarriedSynthesis::draw(const Moment& moment) const {
   return frame;
 }
 
-FrameSources CarriedSynthesis::sources() const {
-  const auto nearest =
-      std::min(std::int64_t{std::llround(time(next_frame_))}, std::prev(drawn_.end())->first);
-  const DrawnMoment& moment = drawn_.at(nearest);
-  const cv::Size frame = clip_->frame(0).size();
-  const int shown = shown_frame(moment.shown);
-  auto sources = same_sources(source_cells(frame), shown,
-                              moment.shown.half > 0 ? SourceKind::turning : SourceKind::played);
-  const double cell = double(frame.width) / sources.kinds.cols;
-  for (const auto& stroke : moment.strokes) {
-    const auto kind = static_cast<std::uint8_t>(stroke.hides ? SourceKind::hiding : SourceKind::carried);
-    for (const auto& patch : stroke.patches) {
-      const cv::Point at(static_cast<int>((patch.to.x + 0.5) / cell),
-                         static_cast<int>((patch.to.y + 0.5) / cell));
-      const int reach = static_cast<int>(std::lround(patch.reach / cell));
-      cv::circle(sources.kinds, at, reach, kind, cv::FILLED);
-      cv::circle(sources.frames, at, reach, stroke.frame, cv::FILLED);
-    }
-  }
-  mark_still(sources, moves_);
-  if (options_.edit.reverse) sources.frames = clip_->size() - 1 - sources.frames;
-  return sources;
-}
-
 /// Draws the moments up to `last` that are not drawn yet.
 void CarriedSynthesis::draw_moments(std::int64_t last, const core::Context& context) {
   if (last < next_moment_) return;
@@ -153,10 +124,7 @@ void CarriedSynthesis::draw_moments(std::int64_t last, const core::Context& cont
                         {[&](std::size_t i) { moments[i % room] = next_moment(); },
                          [&](std::size_t i) { frames[i % room] = draw(moments[i % room]); },
                          [&](std::size_t i) {
-                           auto& drawn = drawn_[first + static_cast<std::int64_t>(i)];
-                           drawn.frame = std::move(frames[i % room]);
-                           drawn.shown = moments[i % room].shown;
-                           drawn.strokes = std::move(moments[i % room].carried.strokes);
+                           drawn_[first + static_cast<std::int64_t>(i)].frame = std::move(frames[i % room]);
                          }});
 }
 

@@ -47,7 +47,6 @@ class CarriedSynthesis final : public FrameMethod {
   [[nodiscard]] int batch() const override;
   [[nodiscard]] const SynthesisStatistics* statistics() const override { return &statistics_; }
   /// Returns the source in the clip of a frame's pixels; between two moments those of the nearer one.
-  [[nodiscard]] FrameSources sources() const override;
   /// Returns the graphs of the clip's first `count` ≥ 1 frames, with links and identified strokes.
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context = {}) const override;
 
@@ -60,8 +59,6 @@ class CarriedSynthesis final : public FrameMethod {
   };
   struct DrawnMoment {
     cv::Mat frame, motion;  // to the next moment, if it was needed
-    PlayedMoment shown;
-    std::vector<CarriedStroke> strokes;
   };
   [[nodiscard]] std::optional<int> played_loop() const;
   [[nodiscard]] double time(std::int64_t frame) const;
@@ -78,7 +75,6 @@ class CarriedSynthesis final : public FrameMethod {
   PlayOrder order_;
   CarriedPlay play_;
   std::vector<CarriedMoment> round_;  // of a loop
-  cv::Mat1b moves_;                   // where the clip moves
   SynthesisStatistics statistics_;
   std::int64_t next_frame_ = 0, next_moment_ = 0;
   std::map<std::int64_t, DrawnMoment> drawn_;

@@ -6,12 +6,9 @@
 #include <cstddef>
 #include <cstdlib>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <opencv2/imgproc.hpp>
 
 #include "core/clip/frame_stream.hpp"
 #include "core/error.hpp"
@@ -157,27 +154,6 @@ void FootageSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
 
 graph::MotionGraph FootageSynthesis::motion(int /*count*/, const core::Context& /*context*/) const {
   throw core::InputError("a clip of footage draws no strokes");
-}
-
-FrameSources FootageSynthesis::sources() const {
-  const cv::Size frame = footage_->front().size(), cells = source_cells(frame);
-  cv::Mat1f offsets;
-  cv::resize(front_.at(static_cast<double>(next_), frame, bound(next_)), offsets, cells, 0, 0,
-             cv::INTER_AREA);
-  std::map<std::int64_t, FrameSources> moments;
-  auto sources = same_sources(cells, 0, SourceKind::played);
-  const int last = static_cast<int>(footage_->size()) - 1;
-  for (int y = 0; y < cells.height; ++y)
-    for (int x = 0; x < cells.width; ++x) {
-      const auto moment = static_cast<std::int64_t>(std::floor(time(next_) + double{offsets(y, x)}));
-      auto at = moments.find(moment);
-      if (at == moments.end()) at = moments.emplace(moment, played_.sources(moment)).first;
-      const int shown = at->second.frames(y, x);
-      sources.frames(y, x) = options_.speed < 0 ? last - shown : shown;
-      sources.kinds(y, x) = at->second.kinds(y, x);
-    }
-  mark_still(sources, scale_.moves);
-  return sources;
 }
 
 }  // namespace emberfold::pipeline

@@ -50,7 +50,6 @@ class FootageSynthesis final : public FrameMethod {
   [[nodiscard]] int plays() const { return played_.plays(); }
   /// Returns whether any frames so far were played backwards, since the footage has no similar frames.
   [[nodiscard]] bool plays_back() const { return played_.plays_back(); }
-  [[nodiscard]] FrameSources sources() const override;
   /// Throws core::InputError: a clip of footage draws no strokes.
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context) const override;
   /// Returns the SD of the times that one frame shows, frames.

@@ -98,20 +98,6 @@ std::vector<std::pair<int, int>> PlayedFrames::shown_pairs(const Moment& moment,
   return pairs;
 }
 
-FrameSources PlayedFrames::sources(std::int64_t n) const {
-  const Moment& moment = moments_.at(n);
-  FrameSources sources = same_sources(source_cells(moment.frame.size()), 0, SourceKind::played);
-  const cv::Mat1b plays = moment.shown.size() > 1 ? seams_->plays_by_cell(moment.seams)
-                                                  : cv::Mat1b(sources.kinds.size(), std::uint8_t{0});
-  for (int y = 0; y < plays.rows; ++y)
-    for (int x = 0; x < plays.cols; ++x) {
-      const PlayedMoment& shown = moment.shown[plays(y, x)];
-      sources.frames(y, x) = shown_frame(shown);
-      if (shown.half > 0) sources.kinds(y, x) = static_cast<std::uint8_t>(SourceKind::turning);
-    }
-  return sources;
-}
-
 void PlayedFrames::prepare(std::int64_t first, std::int64_t last, const core::Context& context) {
   moments_.erase(moments_.begin(), moments_.lower_bound(first));
   std::vector<Moment*> still;

@@ -11,7 +11,6 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/context.hpp"
-#include "pipeline/footage/frame_sources.hpp"
 #include "pipeline/footage/play_order.hpp"
 #include "pipeline/footage/seams.hpp"
 
@@ -34,8 +33,6 @@ class PlayedFrames {
   /// Returns the motion from a prepared moment, not the last one, to the next: px, CV_32FC2, at about half
   /// the frame's size, at most 2^15 vectors.
   [[nodiscard]] const cv::Mat& motion(std::int64_t n) const { return moments_.at(n).motion; }
-  /// Returns the sources of a prepared moment, by cell.
-  [[nodiscard]] FrameSources sources(std::int64_t n) const;
   /// Returns the mean of the plays' relative jump costs.
   [[nodiscard]] double jump_cost() const;
   [[nodiscard]] int plays() const { return static_cast<int>(orders_.size()); }

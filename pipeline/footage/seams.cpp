@@ -11,7 +11,6 @@
 
 #include "core/math/robust.hpp"
 #include "core/math/smooth_step.hpp"
-#include "pipeline/footage/frame_sources.hpp"
 
 namespace emberfold::pipeline {
 
@@ -23,6 +22,13 @@ constexpr float kStay = 0.5F;        // cost of a pixel that changes sides, rela
 constexpr double kShortWay = 0.02;   // share of the mean difference: cost of path length where all is alike
 constexpr int kPairs = 64;           // pairs of frames that measure the usual visibility of seams
 constexpr double kFeather = 0.03;    // share of the longer side: width over which plays are blended
+constexpr int kCells = 80;           // on the longer side
+
+cv::Size seam_cells(cv::Size frame) {
+  const double cell = std::max(1.0, double(std::max(frame.width, frame.height)) / kCells);
+  return {std::max(1, static_cast<int>(std::lround(frame.width / cell))),
+          std::max(1, static_cast<int>(std::lround(frame.height / cell)))};
+}
 
 cv::Mat turn_over(const cv::Mat& picture, bool turned) {
   return turned ? cv::Mat(picture.t()) : picture;
@@ -33,7 +39,7 @@ cv::Mat turn_over(const cv::Mat& picture, bool turned) {
 Seams::Seams(const std::vector<cv::Mat>& footage, const cv::Mat1b& moves, int plays)
     : turned_(footage.front().rows > footage.front().cols) {
   const cv::Size size = footage.front().size();
-  const cv::Size cells = source_cells(size);
+  const cv::Size cells = seam_cells(size);
   cell_ = double(std::max(size.width, size.height)) / std::max(cells.width, cells.height);
   for (const auto& frame : footage) {
     cv::Mat small, levels;

@@ -30,7 +30,7 @@ class Seams {
   /// for d = 0; `before`: the previous moment's seams, or none. O(cells · moments).
   [[nodiscard]] SeamLines next(const std::vector<std::vector<int>>& shown, const SeamLines& before) const;
 
-  /// Returns the play that fills each cell, at most 80 a side (source_cells).
+  /// Returns the play that fills each cell, at most 80 a side.
   [[nodiscard]] cv::Mat1b plays_by_cell(const SeamLines& lines) const;
 
   /// Joins the plays' frames of a moment, CV_8U, blended over some pixels along the seams.

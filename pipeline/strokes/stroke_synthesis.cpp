@@ -65,10 +65,6 @@ void StrokeSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
                          }});
 }
 
-FrameSources StrokeSynthesis::sources() const {
-  throw core::InputError("strokes that live again have no one source in the clip");
-}
-
 graph::MotionGraph StrokeSynthesis::motion(int count, const core::Context& context) const {
   StrokePlay play(clip_, moments_, options_.edit, options_.seed);
   mcmc::detail::LinkedFrames linked;

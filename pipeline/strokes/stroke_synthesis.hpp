@@ -40,7 +40,6 @@ class StrokeSynthesis final : public FrameMethod {
   [[nodiscard]] int batch() const override;
   [[nodiscard]] const SynthesisStatistics* statistics() const override { return &statistics_; }
   /// Throws core::InputError: pixels of one frame come from many.
-  [[nodiscard]] FrameSources sources() const override;
   /// Returns the graphs of the clip's first `count` ≥ 1 frames, with links and identified strokes.
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context = {}) const override;
 

@@ -40,10 +40,6 @@ void TextureSynthesis::each(int count, const std::function<void(cv::Mat)>& take,
   }
 }
 
-FrameSources TextureSynthesis::sources() const {
-  throw core::InputError("frames of a texture have no source in the clip");
-}
-
 graph::MotionGraph TextureSynthesis::motion(int /*count*/, const core::Context& /*context*/) const {
   throw core::InputError("a texture draws no strokes");
 }

@@ -28,7 +28,6 @@ class TextureSynthesis final : public FrameMethod {
   /// Returns the number of frames that dytex::Synthesis makes at a time.
   [[nodiscard]] int batch() const override { return 8; }
   /// Throws core::InputError: pixels of a texture are not those of the clip.
-  [[nodiscard]] FrameSources sources() const override;
   /// Throws core::InputError: a texture draws no strokes.
   [[nodiscard]] graph::MotionGraph motion(int count, const core::Context& context) const override;
 

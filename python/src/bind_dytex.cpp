@@ -30,21 +30,12 @@ void warn(const std::vector<std::string>& notes) {
     if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), 1) < 0) throw py::error_already_set();
 }
 
-std::optional<int> channel_of(const py::handle& given) {
-  if (given.is_none()) return std::nullopt;
-  if (py::isinstance<py::int_>(given)) return given.cast<int>();
-  const auto name = given.cast<std::string>();
-  for (int c = 0; c < 3; ++c)
-    if (name == std::array{"blue", "green", "red"}[static_cast<std::size_t>(c)]) return c;
-  throw py::value_error("channel is '" + name + "'; allowed is blue, green or red");
-}
-
 /// Reads edits from keyword arguments, in their order. Scales are one edit, at the place of the first.
 class EditReader {
  public:
   explicit EditReader(const py::kwargs& given) {
     for (const auto& [key, value] : given) take(key.cast<std::string>(), value);
-    for (auto& edit : edits_) edit.channel = channel_, edit.keep_contrast = keep_contrast_;
+    for (auto& edit : edits_) edit.keep_contrast = keep_contrast_;
   }
   [[nodiscard]] const std::vector<dytex::Edit>& edits() const { return edits_; }
 
@@ -70,8 +61,6 @@ class EditReader {
       scales().medium = number();
     else if (name == "fine")
       scales().fine = number();
-    else if (name == "channel")
-      channel_ = channel_of(value);
     else if (name == "keep_contrast")
       keep_contrast_ = from_python<bool>(value, name);
     else if (name == "preset") {
@@ -92,7 +81,6 @@ class EditReader {
   }
 
   std::vector<dytex::Edit> edits_;
-  std::optional<int> channel_;
   bool keep_contrast_ = dytex::Edit{}.keep_contrast;
 };
 
@@ -132,9 +120,6 @@ void bind_options(py::module_& module) {
       .value("given", dytex::Order::given)
       .value("gavish_donoho", dytex::Order::gavish_donoho)
       .value("held_out", dytex::Order::held_out);
-  py::enum_<dytex::Channels>(module, "Channels")
-      .value("joint", dytex::Channels::joint)
-      .value("separate", dytex::Channels::separate);
   py::enum_<dytex::Method>(module, "Method", doc("dytex::Method"))
       .value("closed_form", dytex::Method::closed_form)
       .value("n4sid", dytex::Method::n4sid);
@@ -143,8 +128,6 @@ void bind_options(py::module_& module) {
       .described_fields()
       .field("energy", &Learn::energy)
       .field("order", &Learn::order)
-      .field("channels", &Learn::channels)
-      .field("lags", &Learn::lags)
       .field("method", &Learn::method)
       .field("noise_rank", &Learn::noise_rank)
       .field("memory", &Learn::memory)

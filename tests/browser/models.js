@@ -29,19 +29,6 @@ export function stillClip(name, width, height, frames, level) {
   return clip;
 }
 
-/** A grey image (BMP). levelOf: the level at x, y. */
-export function writeImage(name, width, height, levelOf) {
-  const path = join(folder, name), stride = 4 * Math.ceil(3 * width / 4), bytes = Buffer.alloc(54 + stride * height);
-  bytes.write("BM");
-  [[2, bytes.length], [10, 54], [14, 40], [18, width], [22, height], [34, stride * height]].forEach(([at, value]) => bytes.writeUInt32LE(value, at));
-  bytes.writeUInt16LE(1, 26);
-  bytes.writeUInt16LE(24, 28);
-  for (let y = 0; y < height; ++y)
-    for (let x = 0; x < width; ++x) bytes.fill(levelOf(x, y), 54 + stride * (height - 1 - y) + 3 * x, 57 + stride * (height - 1 - y) + 3 * x);
-  writeFileSync(path, bytes);
-  return path;
-}
-
 /** The words of `dytex edit` for settings of the page. */
 export function editWords(settings) {
   return Object.entries(settings).flatMap(([name, value]) => (name === "reverse" ? ["--reverse"] : [`--${name}`, String(value)]));

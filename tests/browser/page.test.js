@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // `emberfold dytex page` in a headless Chromium: what the page does is held against what the program does.
 import assert from "node:assert/strict";
-import {execFileSync} from "node:child_process";
-import {mkdirSync, readFileSync, readdirSync, writeFileSync} from "node:fs";
-import {dirname} from "node:path";
 import {after, before, describe, test} from "node:test";
 import {close, frameDifferences, open, startBrowser, stopBrowser} from "./browser.js";
-import {edit, emberfold, folder, learn, readArray, relativeDifference, removeFolder, stillClip, synthesize, writeImage} from "./models.js";
+import {edit, emberfold, folder, learn, readArray, relativeDifference, removeFolder, stillClip, synthesize} from "./models.js";
 
 const models = {};
 
@@ -48,8 +45,8 @@ before(async () => {
   await startBrowser();
   const small = ["--scale", "0.2", "--range", "0:40"];
   models.colour = learn("colour", "builtin:fire", "-n", "18", ...small);
-  models.grey = learn("grey", "builtin:river", "--grey", "-n", "8", "--lags", "2", ...small);
-  models.each = learn("each", "builtin:fire", "-n", "6", "--channels", "separate", ...small);
+  models.grey = learn("grey", "builtin:river", "--grey", "-n", "8", ...small);
+  models.longer = learn("longer", "builtin:river", "--grey", "-n", "4", "--method", "n4sid", ...small);  // a state of eight numbers
   models.still = learn("still model's", stillClip("clip", 24, 20, 4, 90), "-n", "3");
 });
 after(async () => {
@@ -58,7 +55,7 @@ after(async () => {
 });
 
 describe("the same numbers as the program's", () => {
-  for (const [name, seed] of [["colour", 7n], ["grey", 2n ** 64n - 1n], ["each", 1n]])
+  for (const [name, seed] of [["colour", 7n], ["grey", 2n ** 64n - 1n], ["longer", 1n]])
     test(`a seed gives the clip of dytex synth: ${name}`, async () => {
       const {model, url} = models[name], page = await open(url + "#play=0");
       assert.ok(await clipDifference(page, seed, synthesize(model, seed, 12)) <= 2);
@@ -69,7 +66,7 @@ describe("the same numbers as the program's", () => {
     {speed: 2.5}, {flow: 0.4}, {flow: 2}, {flow: 0}, {speed: -1.5, flow: 0.6}, {reverse: true, speed: 0.5, flow: 1.5}, {speed: -1}, {reverse: true}, {intensity: 0.4}, {coarse: 0.5, medium: 2, fine: 0},
     {reverse: true, speed: 0.3, intensity: 1.5, coarse: 1.2, fine: 0.5},
   ];
-  for (const name of ["colour", "grey", "each"])
+  for (const name of ["colour", "grey"])
     test(`edits are those of dytex edit: ${name}`, async () => {
       const {model, url} = models[name], page = await open(url + "#play=0");
       for (const settings of edits) {
@@ -87,22 +84,7 @@ describe("the same numbers as the program's", () => {
       await close(page);
     });
 
-  test("edits of one channel are those of dytex edit --channel", async () => {
-    const {model, url} = models.each, page = await open(url + "#play=0");
-    for (const settings of [{channel: "r", intensity: 2}, {channel: "g", flow: 0.5, coarse: 2}, {channel: "r", reverse: true, speed: 2, coarse: 0.5}]) {
-      const changed = edit(model, settings), told = JSON.stringify(settings);
-      await page.evaluate((s) => emberfold.set({reverse: false, speed: 1, flow: 1, intensity: 1, coarse: 1, ...s}), settings);
-      const {A, B, weights} = await modelOf(page);
-      assert.ok(relativeDifference(A, readArray(changed, "A")) < 1e-9, `A at ${told}`);
-      assert.ok(relativeDifference(squared(B), squared(readArray(changed, "B"))) < 1e-7, `B at ${told}`);
-      assert.ok(relativeDifference({rows: weights.length, cols: 1, data: weights}, readArray(changed, "weights")) < 1e-12, `weights at ${told}`);
-    }
-    const words = (await page.textContent("#command")).match(/_edited (.*) &&/)[1];
-    assert.equal(words, "--channel r --reverse --speed 2 --coarse 0.5");
-    await close(page);
-  });
-
-  for (const [name, weights, words] of [["colour", "2:0.5,17:3", [1, 0.5, ...Array(14).fill(1), 3]], ["each", "2:0", [1, 0]]])
+  for (const [name, weights, words] of [["colour", "2:0.5,17:3", [1, 0.5, ...Array(14).fill(1), 3]], ["grey", "2:0", [1, 0]]])
     test(`weights of single components are those of dytex edit: ${name}`, async () => {
       const {model, url} = models[name], page = await open(url + `#play=0&coarse=2&weights=${weights}`);
       const changed = edit(model, {coarse: 2, weights: words.join(",")}), now = (await modelOf(page)).weights;
@@ -111,7 +93,7 @@ describe("the same numbers as the program's", () => {
       await close(page);
     });
 
-  for (const [name, frames, edits] of [["colour", 12, {}], ["grey", 30, {speed: 0.5, fine: 2}], ["each", 5, {reverse: true}], ["still", 4, {}]])
+  for (const [name, frames, edits] of [["colour", 12, {}], ["grey", 30, {speed: 0.5, fine: 2}], ["grey", 5, {reverse: true}], ["still", 4, {}]])
     test(`a loop is that of dytex synth --loop: ${name}`, async () => {
       const {model, url} = models[name], page = await open(url + "#play=0&seed=8");
       await page.evaluate((s) => emberfold.set(s), {...edits, loop: frames});
@@ -232,26 +214,6 @@ describe("the page", () => {
     await close(page);
   });
 
-  test("saves its loop as pictures that repeat", async () => {
-    const {model, url} = models.colour, page = await open(url + "#play=0&seed=3");
-    assert.ok(await page.isDisabled("#save-loop"));
-    await page.fill("#loop", "6");
-    await page.check("#looped");
-    await page.waitForFunction(() => emberfold.settings.loop === 6 && location.hash.includes("loop=6"));
-    assert.match(await page.textContent("#command"), /--loop 6 --seed 3$/);
-    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-loop")]);
-    const archive = `${folder}/loop.zip`, to = `${folder}/loop`;
-    await download.saveAs(archive);
-    execFileSync("python3", ["-m", "zipfile", "-e", archive, to]);
-    const names = readdirSync(to).sort();
-    assert.deepEqual(names, [0, 1, 2, 3, 4, 5].map((t) => `frame_0000${t}.png`));
-    const saved = names.map((name) => "data:image/png;base64," + readFileSync(`${to}/${name}`).toString("base64"));
-    await page.waitForFunction(() => emberfold.frame === 0);
-    assert.equal(await difference(page, saved), 0);
-    assert.ok(await clipDifference(page, 3n, synthesize(model, 3n, 6, "--loop", "6")) <= 3);
-    await close(page);
-  });
-
   test("draws what the sliders say", async () => {
     const page = await open(models.colour.url + "#play=0"), source = await digest(page, "source");
     const meanOnly = await page.evaluate(() => { emberfold.set({coarse: 0, medium: 0, fine: 0}); return emberfold.pixels().join(); });
@@ -289,7 +251,7 @@ describe("the page", () => {
     const hash = "#speed=-1.5&intensity=2&fine=0.25&reverse=1&seed=18446744073709551615&play=0";
     const page = await open(models.colour.url + hash);
     const settings = () => page.evaluate(() => ({...emberfold.settings, seed: String(emberfold.seed), playing: emberfold.playing}));
-    const wanted = {reverse: true, speed: -1.5, flow: 1, intensity: 2, coarse: 1, medium: 1, fine: 0.25, weights: "", channel: "", loop: 0, swap: 0, feather: 8, seed: "18446744073709551615", playing: false};
+    const wanted = {reverse: true, speed: -1.5, flow: 1, intensity: 2, coarse: 1, medium: 1, fine: 0.25, weights: "", loop: 0, seed: "18446744073709551615", playing: false};
     assert.deepEqual(await settings(), wanted);
     assert.match(await page.textContent("#command"), /--reverse --speed -1.5 --intensity 2 --fine 0.25 && [^]*--seed 18446744073709551615$/);
     await page.waitForFunction((h) => location.hash === h, hash);
@@ -362,159 +324,4 @@ describe("the page", () => {
       await close(page);
     }
   });
-});
-
-describe("a mask", () => {
-  const edits = {speed: 0.5, intensity: 2, fine: 0.5}, loop = 6;
-  const sizeOf = (page) => page.evaluate(() => [emberfold.data.width, emberfold.data.height]);
-  /** Opens a mask whose level at x, y is levelOf(x, y, width, height). */
-  async function openMask(page, levelOf, times = 1) {
-    const [width, height] = (await sizeOf(page)).map((side) => times * side);
-    const path = writeImage("mask.bmp", width, height, (x, y) => levelOf(x, y, width, height));
-    await page.getByLabel("Mask", {exact: true}).setInputFiles(path);
-    await page.waitForSelector("#masked:not([hidden])");
-    return path;
-  }
-  const halves = (x, y, width) => (x < width / 2 ? 0 : 255);
-  const ramp = (x, y, width, height) => (x < 3 ? 0 : Math.min(255, Math.floor(40 + 200 * y / height)));
-  /** Pixels of the first frames of seed 3. */
-  const clipOf = (page, settings, frames = 4) => page.evaluate(([s, count]) => {
-    emberfold.set({...s});
-    emberfold.restart(3n);
-    return Array.from({length: count}, (_, t) => {
-      if (t > 0) emberfold.step();
-      return [...emberfold.pixels()];
-    });
-  }, [settings, frames]);
-  const learned = {speed: 1, intensity: 1, fine: 1, loop: 0, swap: 0, feather: 8};
-  /** Largest difference of a clip from one that shows `white` for `black` with the opacity at x. */
-  const away = (clip, black, white, width, opacityAt) => Math.max(...clip.map((frame, t) => Math.max(...frame.map((v, i) => {
-    const share = opacityAt((i >> 2) % width);
-    return Math.abs(v - Math.round(black[t][i] + share * (white[t][i] - black[t][i])));
-  }))));
-
-  for (const [name, script] of [["colour", null], ["colour", withoutGraphics], ["grey", null], ["each", withoutGraphics]])
-    test(`shows the edits where it is white, and else the texture as learned: ${name}, ${script ? "processor" : "webgl2"}`, async () => {
-      const page = await open(models[name].url + "#play=0&seed=3", {}, script), [width] = await sizeOf(page), edge = Math.ceil(width / 2);
-      for (const length of [0, loop]) {
-        const black = await clipOf(page, {...learned, loop: length}), white = await clipOf(page, {...edits, loop: length});
-        assert.notDeepEqual(black, white);
-        await openMask(page, halves);
-        const inside = (x) => Number(x >= edge), check = async (settings, opacityAt, most) =>
-          assert.ok(away(await clipOf(page, {...edits, loop: length, ...settings}), black, white, width, opacityAt) <= most, JSON.stringify(settings));
-        await check({feather: 0, swap: 0}, inside, 0);
-        await check({feather: 0, swap: 1}, (x) => 1 - inside(x), 0);
-        const rising = (distance) => (distance <= 0 ? 0 : distance > 8 ? 1 : (distance / 9) ** 2 * (3 - 2 * distance / 9));
-        await check({feather: 8, swap: 0}, (x) => rising(x - edge + 1), 1);
-        await check({feather: 8, swap: 1}, (x) => rising(edge - x), 1);
-        await page.click("#mask-remove");
-        assert.ok(await page.isHidden("#masked"));
-        assert.equal(await page.inputValue("#mask"), "");
-        assert.deepEqual(await clipOf(page, {...edits, loop: length}), white);
-      }
-      await close(page);
-    });
-
-  test("that is opened late shows what it would have shown from the start", async () => {
-    const page = await open(models.colour.url + "#play=0"), black = await clipOf(page, learned), white = await clipOf(page, edits);
-    await openMask(page, halves, 2);
-    assert.match(await page.textContent("#mask-about"), /^mask.bmp, scaled from /);
-    await page.evaluate(() => emberfold.set({feather: 0}));
-    const now = await page.evaluate(() => [...emberfold.pixels()]), [width] = await sizeOf(page);
-    assert.equal(away([now], black.slice(-1), white.slice(-1), width, (x) => Number(x >= width / 2)), 0);
-    await close(page);
-  });
-
-  test("has controls that work, and are kept in the address", async () => {
-    const page = await open(models.colour.url + "#play=0&swap=1&feather=3");
-    await openMask(page, halves);
-    assert.ok(await page.isChecked("#swap"));
-    assert.match(await page.textContent("#feather-value"), /^3\spx$/);
-    await page.uncheck("#swap");
-    await page.focus("#feather");
-    await page.keyboard.press("ArrowRight");
-    await page.waitForFunction(() => emberfold.settings.feather === 4 && location.hash === "#feather=4&play=0");
-    await page.click("#feather-reset");
-    await page.waitForFunction(() => location.hash === "#play=0");
-    writeFileSync(`${folder}/text.png`, "no image");
-    await page.setInputFiles("#mask", `${folder}/text.png`);
-    await page.waitForFunction(() => document.getElementById("message").textContent === "text.png is no image that this browser reads.");
-    assert.ok(await page.isVisible("#masked"));  // the one before
-    await close(page);
-  });
-
-  for (const name of ["colour", "grey"])
-    test(`with its commands gives the clip of dytex compose: ${name}`, async () => {
-      const page = await open(models[name].url + "#play=0&seed=5&swap=1&feather=5"), to = `${folder}/composed_${name}`;
-      await page.evaluate((s) => emberfold.set(s), edits);
-      await openMask(page, ramp);
-      const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-mask")]);
-      mkdirSync(to);
-      await download.saveAs(`${to}/mask.png`);
-      const lines = await page.evaluate(() => emberfold.command);
-      assert.match(lines, /compose learned.avi --layer \S+_edited:mask.png --feather 5 -o clip.mp4 --seed 5$/);
-      assert.ok(await page.isVisible("#command-mask"));
-      const model = lines.match(/edit (\S+) -o/)[1];
-      execFileSync("cp", ["-r", models[name].model, `${to}/${model}`]);
-      const env = {...process.env, PATH: `${dirname(process.env.EMBERFOLD)}:${process.env.PATH}`};
-      execFileSync("sh", ["-c", lines.replace("clip.mp4", "frames --quiet")], {cwd: to, env, stdio: "pipe"});
-      const frames = readdirSync(`${to}/frames`).sort().slice(0, 8)
-        .map((frame) => "data:image/png;base64," + readFileSync(`${to}/frames/${frame}`).toString("base64"));
-      assert.ok(await clipDifference(page, 5n, frames) <= 3);
-      await close(page);
-    });
-
-  test("is in the saved loop, whose commands write its two parts", async () => {
-    const page = await open(models.colour.url + `#play=0&seed=3&feather=0&speed=0.5&fine=2&loop=${loop}`);
-    const white = await page.evaluate(() => [...emberfold.pixels()]);
-    await page.evaluate(() => emberfold.set({loop: 0}));
-    await openMask(page, halves);
-    await page.evaluate((frames) => emberfold.set({loop: frames}), loop);
-    const [width] = await sizeOf(page), shown = await page.evaluate(() => [...emberfold.pixels()]);
-    assert.notDeepEqual(shown, white);
-    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-loop")]);
-    const to = `${folder}/masked_loop`;
-    await download.saveAs(`${to}.zip`);
-    execFileSync("python3", ["-m", "zipfile", "-e", `${to}.zip`, to]);
-    const saved = readdirSync(to).sort().map((name) => "data:image/png;base64," + readFileSync(`${to}/${name}`).toString("base64"));
-    assert.equal(saved.length, loop);
-    assert.equal(await clipDifference(page, 3n, saved), 0);
-    assert.equal(away([shown], [await page.evaluate(() => { emberfold.set({speed: 1, fine: 1}); emberfold.restart(); return [...emberfold.pixels()]; })], [white], width,
-      (x) => Number(x >= width / 2)), 0);
-    await page.evaluate(() => emberfold.set({speed: 0.5}));
-    const lines = (await page.textContent("#command")).split("\n");
-    assert.equal(lines.length, 3);
-    assert.match(lines[1], /synth colour -o learned.avi --loop 6 --seed 3/);
-    assert.match(lines[2], /synth colour_edited -o edited.avi --loop 6 --seed 3$/);
-    assert.match(await page.textContent("#command-parts"), /No command draws layers in a loop/);
-    assert.ok(await page.isVisible("#command-parts"));
-    await close(page);
-  });
-
-  test("is drawn alike with WebGL 2 and without, opened or carried by the page", async () => {
-    const opened = await open(models.colour.url + "#play=0"), clips = [];
-    const path = await openMask(opened, ramp);
-    clips.push(await clipOf(opened, {...edits, feather: 4}));
-    await close(opened);
-    emberfold("dytex", "page", models.colour.model, "-o", `${folder}/masked.html`, "--mask", path, "-q");
-    for (const script of [null, withoutGraphics]) {
-      const page = await open(`file://${folder}/masked.html#play=0`, {}, script);
-      assert.ok(await page.isVisible("#masked"));
-      assert.match(await page.textContent("#mask-about"), /made with/);
-      clips.push(await clipOf(page, {...edits, feather: 4}));
-      await page.click("#mask-remove");
-      assert.ok(await page.isHidden("#masked"));
-      await close(page);
-    }
-    assert.deepEqual(clips[1], clips[0]);
-    assert.equal(away(clips[2], clips[0], clips[0], 1, () => 0) <= 1, true);
-  });
-
-  for (const viewport of [{width: 390, height: 844}, {width: 1200, height: 900}])
-    test(`fits the window: ${viewport.width} px`, async () => {
-      const page = await open(models.colour.url + "#play=0", {viewport});
-      await openMask(page, ramp);
-      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
-      await close(page);
-    });
 });

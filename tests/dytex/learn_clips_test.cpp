@@ -196,74 +196,17 @@ TEST_CASE("Learning can be cancelled at any stage", "[dytex][learn]") {
   }
 }
 
-TEST_CASE("A model per channel is that of each channel alone", "[dytex][learn]") {
-  const core::Clip clip = test::wavy_clip(20, 15, 3, CV_8U, 60);
-  dytex::LearnOptions options = components(9);
-  options.channels = dytex::Channels::separate;
-  const dytex::LearnResult result = learn(clip, options);
-  const dytex::LinearDynamicTexture& texture = result.texture;
-  CHECK_NOTHROW(dytex::validate(texture));
-  REQUIRE(texture.channels.size() == 9);
-  CHECK(texture.singular.size() == 180);
-  for (Eigen::Index i = 1; i < 180; ++i) CHECK(texture.singular[i] <= texture.singular[i - 1]);
-  const Eigen::MatrixXd C = texture.C.cast<double>();
-  CHECK((C.transpose() * C - Eigen::MatrixXd::Identity(9, 9)).cwiseAbs().maxCoeff() < 1e-6);
-  for (int c = 0; c < 3; ++c) {
-    core::Clip one{clip.info, {}};
-    one.info.channels = 1;
-    for (const cv::Mat& frame : clip.frames) {
-      one.frames.emplace_back();
-      cv::extractChannel(frame, one.frames.back(), c);
-    }
-    std::vector<Eigen::Index> places;
-    for (Eigen::Index i = 0; i < 9; ++i)
-      if (dytex::channel_of(texture, i) == c) places.push_back(i);
-    REQUIRE_FALSE(places.empty());
-    const dytex::LinearDynamicTexture alone = learn(one, components(static_cast<int>(places.size()))).texture;
-    CHECK((texture.A(places, places) - alone.A).norm() < 1e-9);
-    CHECK((texture.states(places, Eigen::all) - alone.states).norm() < 1e-9 * alone.states.norm());
-    for (std::size_t k = 0; k < places.size(); ++k)
-      for (Eigen::Index p = 0; p < C.rows(); ++p) {
-        const double mine = C(p, places[k]);
-        if (p % 3 != c)
-          CHECK(mine == 0);
-        else
-          CHECK_THAT(mine,
-                     WithinAbs(static_cast<double>(alone.C(p / 3, static_cast<Eigen::Index>(k))), 1e-5));
-      }
-  }
-  // Noise that reaches several channels at once: what "shared" means.
-  CHECK(texture.B.rows() == 9);
-  options.order = dytex::Order::gavish_donoho;
-  CHECK_NOTHROW(dytex::validate(learn(clip, options).texture));
-  options.order = dytex::Order::given;
-  options.energy = 0.8;
-  const dytex::LinearDynamicTexture most = learn(clip, options).texture;
-  CHECK(most.singular.head(most.components()).squaredNorm() >= 0.8 * most.singular.squaredNorm());
-}
-
-TEST_CASE("A grey clip has one channel however it is asked for", "[dytex][learn]") {
-  const core::Clip clip = test::wavy_clip(20, 15, 1, CV_8U, 30);
-  dytex::LearnOptions options = components(4);
-  const dytex::LinearDynamicTexture joint = learn(clip, options).texture;
-  options.channels = dytex::Channels::separate;
-  CHECK(test::same(learn(clip, options).texture, joint));
-}
-
 TEST_CASE("Whatever is asked for gives the same bytes in blocks and threads", "[dytex][learn]") {
   const core::Clip clip = test::wavy_clip(120, 80, 3, CV_16U, 60);
-  for (int kind = 0; kind < 3; ++kind) {
+  for (const dytex::Method method : {dytex::Method::closed_form, dytex::Method::n4sid}) {
     dytex::LearnOptions options = components(5);
-    options.channels = kind == 0 ? dytex::Channels::separate : dytex::Channels::joint;
-    if (kind == 1) options.lags = 3;
-    if (kind == 2) options.method = dytex::Method::n4sid;
+    options.method = method;
     const dytex::LinearDynamicTexture whole = learn(clip, options).texture;
     CHECK_NOTHROW(dytex::validate(whole));
     options.memory = std::size_t{1} << 20;
     const core::ThreadLimit limit(1);
     const dytex::LearnResult in_blocks = learn(clip, options);
     CHECK(in_blocks.passes > 2);
-    INFO(kind);
     CHECK(test::same(in_blocks.texture, whole));
   }
 }
@@ -277,27 +220,16 @@ TEST_CASE("A clip that does not fit takes a pass for each block and one more", "
   CHECK(learn(clip, options).passes == 1);
 }
 
-TEST_CASE("Options that do not go together are refused", "[dytex][learn]") {
-  const core::Clip clip = test::wavy_clip(8, 6, 1, CV_8U, 10);
-  dytex::LearnOptions options = components(2);
-  options.lags = 0;
-  CHECK(complaint(clip, options) == "LearnOptions.lags is 0; allowed is 1 to 16");
-  options.lags = 2;
-  options.method = dytex::Method::n4sid;
-  CHECK(complaint(clip, options) == "LearnOptions.lags is 2; allowed with n4sid is 1");
-}
-
 TEST_CASE("Clips that stand still or change once are learned by every method", "[dytex][learn]") {
   const core::Clip still = test::clip_of(Eigen::MatrixXd::Constant(12, 40, 100), 4, 3, 1, CV_8U);
   core::Clip flash = test::clip_of(Eigen::MatrixXd::Constant(12, 40, 100), 4, 3, 1, CV_8U);
   flash.frames[20].setTo(200);
   for (const core::Clip& clip : {still, flash})
-    for (int kind = 0; kind < 5; ++kind) {
+    for (int kind = 0; kind < 4; ++kind) {
       dytex::LearnOptions options = components(3);
-      if (kind == 1) options.lags = 2;
-      if (kind == 2) options.method = dytex::Method::n4sid;
-      if (kind == 3) options.order = dytex::Order::held_out;
-      if (kind == 4) options.order = dytex::Order::gavish_donoho;
+      if (kind == 1) options.method = dytex::Method::n4sid;
+      if (kind == 2) options.order = dytex::Order::held_out;
+      if (kind == 3) options.order = dytex::Order::gavish_donoho;
       INFO(kind);
       CHECK_NOTHROW(dytex::validate(learn(clip, options).texture));
     }

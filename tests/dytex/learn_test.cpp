@@ -186,7 +186,7 @@ TEST_CASE("Any states give a stable fit and Yule-Walker the data's variance", "[
     for (Eigen::Index t = 1; t < frames; ++t) walks.row(t) += walks.row(t - 1);
     walks.rowwise() -= walks.colwise().mean().eval();
     const test::ThinSvd svd = test::thin_svd(walks);
-    const auto fit = dytex::detail::fit_dynamics({test::block(svd.s, svd.U)}, {});
+    const auto fit = dytex::detail::fit_dynamics({svd.s, svd.U}, {});
     REQUIRE(dytex::spectral_radius(fit.A) < 1);
     const bool yule_walker = fit.transition == dytex::Transition::yule_walker;
     CHECK(yule_walker == (fit.least_squares_radius >= 1 || fit.noiseless));

@@ -71,16 +71,10 @@ core::Clip flaring_clip(double grain) {
   return clip_of(levels, 8, 6, 1, CV_32F);
 }
 
-dytex::detail::Block block(const Eigen::VectorXd& s, const Eigen::MatrixXd& V) {
-  dytex::detail::Block result{s, V, {}};
-  for (Eigen::Index i = 0; i < s.size(); ++i) result.places.push_back(i);
-  return result;
-}
-
 PrincipalAxes principal_axes(const Eigen::MatrixXd& states) {
   const Eigen::MatrixXd centred = states.colwise() - states.rowwise().mean();
   const ThinSvd svd = thin_svd(centred);
-  return {block(svd.s, svd.V), svd.U.transpose()};
+  return {{svd.s, svd.V}, svd.U.transpose()};
 }
 
 std::vector<cv::Mat> drawn_frames(const dytex::LinearDynamicTexture& texture,
@@ -97,8 +91,7 @@ bool same(const dytex::LinearDynamicTexture& a, const dytex::LinearDynamicTextur
   };
   return a.info == b.info && a.r == b.r && equal(a.mean, b.mean) && equal(a.C, b.C) && equal(a.A, b.A) &&
          equal(a.B, b.B) && equal(a.states, b.states) && equal(a.singular, b.singular) &&
-         equal(a.weights, b.weights) && equal(a.noise, b.noise) && a.noise_share == b.noise_share &&
-         equal(a.channels, b.channels);
+         equal(a.weights, b.weights) && equal(a.noise, b.noise) && a.noise_share == b.noise_share;
 }
 
 }  // namespace emberfold::test

@@ -37,12 +37,9 @@ core::Clip wavy_clip(int width, int height, int channels, int depth, int frames,
 /// noise.
 core::Clip flaring_clip(double grain);
 
-/// Puts all components in one block.
-dytex::detail::Block block(const Eigen::VectorXd& s, const Eigen::MatrixXd& V);
-
 /// Principal axes of states: diag(s) Vᵀ = `turn` · (states less their mean).
 struct PrincipalAxes {
-  dytex::detail::Block block;
+  dytex::detail::UnitStates states;
   Eigen::MatrixXd turn;
 };
 /// Finds the principal axes of the columns of `states` (n × τ).

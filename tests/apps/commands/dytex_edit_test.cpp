@@ -43,15 +43,12 @@ std::string one_box(const fs::path& path, cv::Size size, const cv::Rect& inside)
 TEST_CASE("edits are written as the words that make them") {
   using namespace emberfold::dytex;
   const std::vector<Edit> edits{
-      {Speed{2}},       {Scales{1, 0.1, 2}},  {Flow{0.5}, 2},    {Speed{-1}, 2, false}, {Reverse{}, 0},
-      {Intensity{0.3}}, {Weights{{1, 0.25}}}, {Directions{{3}}}, {Flow{2}, {}, true},   {Scales{}}};
+      {Speed{2}},       {Scales{1, 0.1, 2}},  {Flow{0.5}},       {Speed{-1}, false}, {Reverse{}},
+      {Intensity{0.3}}, {Weights{{1, 0.25}}}, {Directions{{3}}}, {Flow{2}, true},    {Scales{}}};
   CHECK(edit_words(edits) ==
-        "--speed 2 --medium 0.1 --fine 2 --channel red --flow 0.5 --no-contrast --speed -1 --channel blue "
-        "--reverse "
-        "--channel all --intensity 0.3 --weights 1,0.25 --directions 3 --contrast --flow 2");
+        "--speed 2 --medium 0.1 --fine 2 --flow 0.5 --no-contrast --speed -1 --reverse --intensity 0.3 "
+        "--weights 1,0.25 --directions 3 --contrast --flow 2");
   CHECK(edit_words({}).empty());
-  CHECK(parse_channel("g") == 1);
-  CHECK_FALSE(parse_channel("all"));
   CHECK(parse_numbers("1,2.5 , 3") == std::vector<double>{1, 2.5, 3});
 }
 
@@ -108,25 +105,6 @@ TEST_CASE("dytex edit takes weights from a list or a file and tells what was dro
   CHECK(model_at(out).B == model_at(learned.model).B);
 }
 
-TEST_CASE("dytex edit changes one channel of a model per channel") {
-  const Learned learned;
-  const auto model = (learned.temp / "separate").string(), out = (learned.temp / "edited").string();
-  REQUIRE(
-      run_command({"dytex", "learn", learned.clip, "-o", model, "-n", "18", "--channels", "separate", "-q"})
-          .exit == 0);
-  REQUIRE(run_command({"dytex", "edit", model, "-o", out, "--channel", "r", "--speed", "-1", "--channel",
-                       "all", "--intensity", "2", "-q"})
-              .exit == 0);
-  const auto before = model_at(model), after = model_at(out);
-  int red = 0, others = 0;
-  for (Eigen::Index i = 0; i < 18; ++i)
-    for (Eigen::Index j = 0; j < 18; ++j)
-      if (before.A(i, j) != after.A(i, j))
-        ++(before.channels[i] == 2 && before.channels[j] == 2 ? red : others);
-  CHECK(red > 0);
-  CHECK(others == 0);
-}
-
 TEST_CASE("edits that cannot be are refused in one line") {
   const Learned learned;
   const auto out = learned.temp / "edited";
@@ -144,9 +122,6 @@ TEST_CASE("edits that cannot be are refused in one line") {
   refused({"--weights", "nothing.txt"}, 1, {"nothing.txt"});
   refused({"--weights", "1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1"}, 2, {"--weights has 20", "18 components"});
   refused({"--preset", "stormy"}, 2, {"--preset is stormy", "rough-sea"});
-  refused({"--channel", "x", "--speed", "2"}, 2, {"--channel is x", "b, g, r"});
-  refused({"--channel", "r", "--speed", "2"}, 2,
-          {"--channel needs a model per channel", "--channels separate"});
   check_one_line({"dytex", "edit", learned.clip, "-o", out.string(), "--speed", "2"}, 1,
                  {"is a clip, not a model"}, out);
 }

@@ -177,7 +177,6 @@ TEST_CASE("what forecast and curve and EM cannot take is refused in one line") {
   refused({"curve", clip, "-n", "21"}, 2, {"--components is 21", "30 frames", "allowed is 1 to 20"});
   refused({"curve", clip, "--lengths", "1"}, 2, {"--lengths is 1"});
   refused({"curve", model}, 1, {"is no clip"});
-  refused({"learn", clip, "--em", "--lags", "2"}, 2, {"EM", "--lags 1"});
   refused({"learn", clip, "--filled", "x.avi"}, 2, {"--filled", "--missing"});
   refused({"learn", clip, "--missing", mask}, 2, {"--missing", "29 frames", "30"});
   refused({"learn", clip, "--missing", other}, 2, {"--missing", "40x30", "48x36"});

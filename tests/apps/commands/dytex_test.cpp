@@ -158,12 +158,6 @@ TEST_CASE("what a model is learned by is asked for by words and told in the summ
   CHECK(held_out["options"]["learn"]["order"] == "held-out");
   CHECK(learn({"--order", "auto"})["texture"] == held_out["texture"]);
   CHECK(learn({"--order", "gavish-donoho"})["learning"]["held_out_errors"].empty());
-  const Json separate = learn({"--channels", "separate", "-n", "6"});
-  CHECK(separate["texture"]["per_channel"] == true);
-  CHECK(separate["texture"]["components"] == 6);
-  const Json lags = learn({"--lags", "2", "-n", "4"});
-  CHECK(lags["texture"]["components"] == 4);
-  CHECK(lags["texture"]["order"] == 8);
   CHECK(learn({"--method", "n4sid", "-n", "3"})["learning"]["transition"] == "n4sid");
   const Json ranked = learn({"--set", "learn.noise_rank=2", "-n", "6"});
   CHECK(ranked["texture"]["noise_inputs"] == 2);
@@ -208,10 +202,7 @@ TEST_CASE("what dytex cannot take is refused in one line") {
   learn({clip, "--order", "best"}, 2, {"--order", "best", "held-out"});
   learn({clip, "--order", "auto", "-n", "3"}, 2, {"--order", "--components"});
   learn({clip, "--order", "held-out"}, 2, {"order", "at least 10", "6"});
-  learn({clip, "--lags", "0"}, 2, {"--lags", "0", "1 to 16"});
-  learn({clip, "--lags", "2", "-n", "3"}, 2, {"lags", "at least 8 frames", "6"});
   learn({clip, "--method", "magic"}, 2, {"--method", "magic", "n4sid"});
-  learn({clip, "--channels", "both"}, 2, {"--channels", "both"});
   learn({clip, "--set", "learn.block=-1"}, 2, {"learn.block", "-1", "0"});
   learn({one}, 1, {"one", "at least two"});
   learn({one, "--energy", "0.9"}, 1, {"one", "at least two"});

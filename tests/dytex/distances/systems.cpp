@@ -62,31 +62,6 @@ dytex::LinearDynamicTexture random_texture(Eigen::Index n, double radius, std::u
   return texture_of(A, normals(n, inputs < 0 ? n : inputs, seed + 100));
 }
 
-dytex::LinearDynamicTexture channel_texture(Eigen::Index each, std::uint64_t seed) {
-  const Eigen::Index n = 3 * each, pixels = 20;
-  dytex::LinearDynamicTexture texture;
-  texture.info = {5, 4, 3, CV_8U, 25, 255, 6};
-  texture.mean = Eigen::VectorXf::Constant(3 * pixels, 128);
-  texture.C = Eigen::MatrixXf::Zero(3 * pixels, n);
-  texture.weights = Eigen::VectorXd::Ones(n);
-  texture.A = Eigen::MatrixXd::Zero(n, n);
-  texture.B = normals(n, each + 1, seed);
-  texture.channels.resize(n);
-  for (int c = 0; c < 3; ++c) {
-    const Eigen::MatrixXd shapes = orthonormal(pixels, each, seed + static_cast<std::uint64_t>(c));
-    const Eigen::MatrixXd A = random_texture(each, 0.9, seed + 20 + static_cast<std::uint64_t>(c)).A;
-    for (Eigen::Index i = 0; i < each; ++i) {
-      texture.channels[3 * i + c] = c;
-      for (Eigen::Index p = 0; p < pixels; ++p)
-        texture.C(3 * p + c, 3 * i + c) = static_cast<float>(shapes(p, i));
-      for (Eigen::Index j = 0; j < each; ++j) texture.A(3 * i + c, 3 * j + c) = A(i, j);
-    }
-  }
-  texture.states = normals(n, 6, seed + 3);
-  texture.singular = Eigen::VectorXd::LinSpaced(18, 9, 0);
-  return texture;
-}
-
 Eigen::MatrixXd covariance(const dytex::LinearDynamicTexture& texture) {
   return dytex::stationary_covariance(texture.A, texture.B);
 }

@@ -32,9 +32,6 @@ dytex::LinearDynamicTexture texture_with(const std::vector<Pole>& poles, std::ui
 dytex::LinearDynamicTexture random_texture(Eigen::Index n, double radius, std::uint64_t seed,
                                            Eigen::Index inputs = -1);
 
-/// A model per channel: `each` components of blue, green and red in turn, noise shared by all.
-dytex::LinearDynamicTexture channel_texture(Eigen::Index each, std::uint64_t seed = 1);
-
 Eigen::MatrixXd covariance(const dytex::LinearDynamicTexture& texture);
 
 /// Γ(k) = A^k P.

@@ -58,8 +58,9 @@ std::vector<Edit> one_of_each() {
 }  // namespace
 
 TEST_CASE("Edits of factor 1 change no bit", "[dytex][edit]") {
-  for (const LinearDynamicTexture& texture : {test::texture_with(kPoles), test::random_texture(5, 0.9, 3),
-                                              test::channel_texture(3), test::random_texture(4, 0, 5)}) {
+  for (const LinearDynamicTexture& texture :
+       {test::texture_with(kPoles), test::random_texture(5, 0.9, 3), test::random_texture(9, 0.9, 7, 4),
+        test::random_texture(4, 0, 5)}) {
     for (const Edit& one : std::vector<Edit>{
              {Speed{}}, {Flow{}}, {Intensity{}}, {Directions{{1, 1}}}, {Scales{}}, {Weights{{1, 1, 1}}}}) {
       const EditResult result = edited(texture, {one});
@@ -110,7 +111,7 @@ TEST_CASE("Speed keeps the contrast of what is shown unless told otherwise", "[d
     const LinearDynamicTexture kept = after(texture, {{Speed{factor}}});
     CHECK_THAT(shown_variance(kept), WithinRel(shown_variance(texture), 1e-10));
     CHECK(apart(kept.B / kept.B.norm(), texture.B / texture.B.norm()) < 1e-12);
-    const LinearDynamicTexture left = after(texture, {{Speed{factor}, {}, false}});
+    const LinearDynamicTexture left = after(texture, {{Speed{factor}, false}});
     CHECK(left.B == texture.B);
     CHECK(left.A == kept.A);
     CHECK(std::abs(shown_variance(left) / shown_variance(texture) - 1) > 1e-3);
@@ -138,12 +139,11 @@ TEST_CASE("Intensity multiplies the stationary covariance by itself", "[dytex][e
 
 TEST_CASE("At flow 0 time stands still and the contrast stays", "[dytex][edit]") {
   for (const LinearDynamicTexture& texture :
-       {test::texture_with(kPoles), test::channel_texture(3), test::random_texture(4, 0, 5)})
+       {test::texture_with(kPoles), test::random_texture(9, 0.9, 7, 4), test::random_texture(4, 0, 5)})
     for (const bool contrast : {true, false}) {
-      const LinearDynamicTexture found = after(texture, {{Flow{0}, {}, contrast}});
+      const LinearDynamicTexture found = after(texture, {{Flow{0}, contrast}});
       const MatrixXd P = test::covariance(texture);
       const MatrixXd stationary = stationary_covariance(found.A, found.B);
-      // Of a model per channel, each channel's: the way they vary together is not kept.
       CHECK(apart(stationary.diagonal(), P.diagonal()) < 1e-3);
       // E |x(t + 1) − x(t)|²
       const MatrixXd I = MatrixXd::Identity(found.A.rows(), found.A.cols());
@@ -216,7 +216,7 @@ TEST_CASE("Flow keeps the contrast where no finer process is there and says so",
     CHECK(apart(after(half.texture, {{Flow{2}}}).A, texture.A) < 1e-8);  // negative poles keep their sign
     cut += std::ranges::any_of(half.notes, [](const auto& note) { return note.starts_with("no noise"); }) ? 1
                                                                                                           : 0;
-    const LinearDynamicTexture free = after(texture, {{Flow{0.5}, {}, false}});
+    const LinearDynamicTexture free = after(texture, {{Flow{0.5}, false}});
     CHECK(free.B == texture.B);
     CHECK(free.A == half.texture.A);
   }
@@ -315,7 +315,7 @@ TEST_CASE("A list of edits is the edits one after another", "[dytex][edit]") {
 
 TEST_CASE("Edits of different things may change places", "[dytex][edit]") {
   const LinearDynamicTexture texture = test::random_texture(8, 0.95, 8);
-  const Edit speed{Speed{1.4}, {}, false}, dim{Intensity{0.4}}, coarse{Scales{2, 1, 0.5}}, back{Reverse{}},
+  const Edit speed{Speed{1.4}, false}, dim{Intensity{0.4}}, coarse{Scales{2, 1, 0.5}}, back{Reverse{}},
       flow{Flow{0.7}};
   for (const auto& [a, b] :
        {std::pair{speed, dim}, {speed, coarse}, {dim, coarse}, {back, dim}, {flow, dim}, {back, coarse}}) {
@@ -330,32 +330,6 @@ TEST_CASE("Edits of different things may change places", "[dytex][edit]") {
   CHECK(apart(after(texture, {{Intensity{0.5}}, {Intensity{3}}}).B, after(texture, {{Intensity{1.5}}}).B) <
         1e-14);
   CHECK(apart(after(texture, {coarse, {Speed{2}}}).B, after(texture, {{Speed{2}}, coarse}).B) > 1e-4);
-}
-
-TEST_CASE("A channel is edited alone where the model has a part for each", "[dytex][edit]") {
-  const LinearDynamicTexture texture = test::channel_texture(4);
-  for (Edit one : one_of_each()) {
-    one.channel = 1;
-    const LinearDynamicTexture found = after(texture, {one});
-    for (Eigen::Index i = 0; i < 12; ++i)
-      for (Eigen::Index j = 0; j < 12; ++j)
-        if (texture.channels[i] != 1 || texture.channels[j] != 1) CHECK(found.A(i, j) == texture.A(i, j));
-    for (Eigen::Index i = 0; i < 12; ++i)
-      if (texture.channels[i] != 1) {
-        CHECK(found.weights[i] == texture.weights[i]);
-        CHECK(found.B.row(i).head(texture.B.cols()) == texture.B.row(i));
-      }
-    CHECK(spectral_radius(found.A) < 1);
-  }
-  // All channels at once is each in turn; green's noise still goes with blue's.
-  LinearDynamicTexture turns = texture;
-  for (const int c : {0, 1, 2}) turns = after(turns, {{Speed{1.5}, c}});
-  CHECK(test::same(turns, after(texture, {{Speed{1.5}}})));
-  const MatrixXd between = test::covariance(after(texture, {{Intensity{0.5}, 1}}));
-  CHECK_THAT(between(0, 1), WithinRel(std::sqrt(0.5) * test::covariance(texture)(0, 1), 1e-12));
-  CHECK(test::message_of<core::InputError>([] {
-          edited(test::random_texture(4, 0.9, 1), {{Speed{2}, 0}});
-        }) == "channel is 0, but every component of the model shows all channels: edit a model per channel");
 }
 
 TEST_CASE("Presets do what the paper's text says of its figures", "[dytex][edit]") {
@@ -402,7 +376,6 @@ TEST_CASE("Edits out of range are refused by name and value", "[dytex][edit]") {
   CHECK(refused({Scales{1, -2, 1}}) == "medium is -2; allowed is 0 to 10");
   CHECK(refused({Weights{{}}}) == "weights is empty, must have at least one number");
   CHECK(refused({Weights{{1, 1, 1, 1}}}) == "weights has 4 numbers, there are 3 components");
-  CHECK(refused({Speed{2}, 3}) == "channel is 3; allowed is 0 to 2");
   LinearDynamicTexture unstable = texture;
   unstable.A *= 2;
   CHECK_THROWS_AS(edited(unstable, {{Speed{2}}}), core::InputError);

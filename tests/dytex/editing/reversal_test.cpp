@@ -65,15 +65,3 @@ TEST_CASE("Speed of minus 1 keeps the spectrum only", "[dytex][reversal]") {
   }
   CHECK(apart(test::lag_covariance(back, 1), test::lag_covariance(texture, 1).transpose()) > 0.01);
 }
-
-TEST_CASE("Backwards keeps poles and what is shown and each channel to itself", "[dytex][reversal]") {
-  const LinearDynamicTexture texture = test::channel_texture(3);
-  const LinearDynamicTexture back = with_edits(texture, {{Reverse{}}});
-  for (Eigen::Index i = 0; i < 9; ++i)
-    for (Eigen::Index j = 0; j < 9; ++j)
-      if (texture.channels[i] != texture.channels[j]) CHECK(back.A(i, j) == 0);
-  CHECK(std::abs(back.A.trace() - texture.A.trace()) < 1e-10);
-  const Eigen::VectorXd before = test::covariance(texture).diagonal(),
-                        now = test::covariance(back).diagonal();
-  CHECK((before - now).norm() < 1e-9 * before.norm());
-}

@@ -121,7 +121,6 @@ TEST_CASE("Learning by blocks refuses what it cannot learn", "[dytex][blocks]") 
   };
   CHECK(contains(refusal(clip, {.components = 20}), "n is 20"));
   CHECK(contains(refusal(clip, {.order = dytex::Order::held_out}), "all frames at once"));
-  CHECK(contains(refusal(clip, {.components = 5, .channels = dytex::Channels::separate}), "channels"));
   dytex::LearnOptions little{.components = 5};
   little.memory = std::size_t{1} << 20;
   CHECK(contains(refusal(clip, little, 100'000), "learn.block is 100000"));

@@ -61,9 +61,7 @@ TEST_CASE("All that a texture may have comes back from its archive", "[dytex][ar
   dytex::LinearDynamicTexture texture = learned(3, CV_8U);
   texture.weights << 1, 0.5, -2, 0;
   texture.noise = Eigen::VectorXf::LinSpaced(texture.pixels(), 0, 9);
-  texture.channels = Eigen::Vector4i(0, 2, 1, 0);
-  texture.singular = Eigen::VectorXd::LinSpaced(60, 59, 0);
-  Eigen::MatrixXd longer = Eigen::MatrixXd::Zero(8, 8);  // a second lag
+  Eigen::MatrixXd longer = Eigen::MatrixXd::Zero(8, 8);  // a state of twice as many numbers
   longer.topLeftCorner(4, 4) = texture.A;
   longer.bottomLeftCorner(4, 4).setIdentity();
   texture.A = longer;
@@ -127,12 +125,6 @@ TEST_CASE("A broken archive is refused with its reason", "[dytex][archive]") {
          a.arrays["B"] = {{3, 3}, true, std::vector<double>(9)};
          a.arrays["states"] = {{3, 20}, true, std::vector<double>(60)};
        }},
-      {"model: \"component_channels\" must be a list of 4 numbers",
-       [](auto& a) { replace(a, "\"order\": 4", R"("order": 4, "component_channels": [0])"); }},
-      {"model: \"component_channels\" is \"7\", must be a whole number from 0 to 2",
-       [](auto& a) { replace(a, "\"order\": 4", R"("order": 4, "component_channels": [0,0,0,7])"); }},
-      {"model: texture: channels has the value 1; allowed is 0 to 0",
-       [](auto& a) { replace(a, "\"order\": 4", R"("order": 4, "component_channels": [0,0,0,1])"); }},
       {"model: model.json has no \"width\"", [](auto& a) { replace(a, "\"width\"", "\"breadth\""); }},
       {"model: \"width\" is \"65537\", must be a whole number from 1 to 65536",
        [](auto& a) { replace(a, "\"width\": 9", "\"width\": 65537"); }},

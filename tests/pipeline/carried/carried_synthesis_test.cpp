@@ -260,44 +260,6 @@ TEST_CASE("carried strokes: what moves across its curve does not stand still, wh
   CHECK(clip.stands_still(39, 0));
 }
 
-TEST_CASE("carried strokes: the sources tell where strokes are hidden and carried, and what frame is shown") {
-  const auto scene = carried_scene(60);
-  mcmc::MotionEdit edit = times(EventType::birth, 0);
-  edit.reverse = GENERATE(false, true);
-  CarriedSynthesis none(scene.frames, scene.strokes, {1, edit, {10, 10}});
-  mcmc::MotionEdit same;
-  same.reverse = edit.reverse;
-  CarriedSynthesis usual(scene.frames, scene.strokes, {1, same, {10, 10}});
-  const auto whole = draw(usual, 40);
-  const auto hiding = static_cast<std::uint8_t>(pipeline::SourceKind::hiding);
-  std::size_t n = 0, hidden = 0, copied = 0;
-  none.each(40, [&](const cv::Mat& frame) {
-    const auto sources = none.sources();
-    REQUIRE(sources.kinds.size() == cv::Size(80, 60));
-    cv::Mat apart;
-    cv::absdiff(frame, whole[n], apart);
-    for (int y = 0; y < 60; ++y)
-      for (int x = 0; x < 80; ++x) {
-        const auto kind = sources.kind(y, x);
-        const double most = cv::norm(apart(cv::Rect(2 * x, 2 * y, 2, 2)), cv::NORM_INF);
-        // What hides a stroke blends into the frame over three pixels.
-        const cv::Rect about = cv::Rect(x - 2, y - 2, 5, 5) & cv::Rect(0, 0, 80, 60);
-        if (most > 40) CHECK(cv::countNonZero(sources.kinds(about) == hiding) > 0);
-        hidden += kind == pipeline::SourceKind::hiding ? 1 : 0;
-        CHECK(kind != pipeline::SourceKind::carried);
-      }
-    const auto turning = static_cast<std::uint8_t>(pipeline::SourceKind::turning);
-    if (cv::countNonZero(sources.kinds == turning) == 0) {
-      ++copied;
-      CHECK(cv::norm(whole[n], scene.frames[static_cast<std::size_t>(sources.frames(0, 0))], cv::NORM_L1) ==
-            0);
-    }
-    ++n;
-  });
-  CHECK(hidden > 100);
-  CHECK(copied > 10);
-}
-
 TEST_CASE("carried strokes: the wind takes them along") {
   const auto scene = carried_scene(60);
   mcmc::MotionEdit edit;

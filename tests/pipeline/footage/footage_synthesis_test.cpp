@@ -213,30 +213,3 @@ TEST_CASE("footage synthesis: options out of range are refused, and a stop stops
                       3, [](const cv::Mat&) {}, core::Context(stop.get_token())),
                   core::Cancelled);
 }
-
-TEST_CASE("the sources of a frame made of footage tell the frame that each place shows") {
-  // Each frame has a level of its own where the clip moves, in an order without like moments.
-  std::vector<cv::Mat> footage;
-  for (int t = 0; t < 30; ++t) {
-    cv::Mat1b frame(kSize, std::uint8_t{100});
-    frame.rowRange(0, 48).setTo(20 + 7 * t);
-    footage.push_back(frame);
-  }
-  const double speed = GENERATE(1.0, -0.5);
-  FootageSynthesis synthesis(footage, {.seed = 3, .speed = speed});
-  int played = 0;
-  synthesis.each(40, [&](const cv::Mat& frame) {
-    const auto sources = synthesis.sources();
-    REQUIRE(sources.kinds.size() == cv::Size(80, 60));
-    for (int y = 0; y < 60; ++y)
-      for (int x = 0; x < 80; ++x) {
-        if (y > 41) CHECK(sources.kind(y, x) == pipeline::SourceKind::still);
-        if (y >= 38 || sources.kind(y, x) != pipeline::SourceKind::played) continue;
-        ++played;
-        const int level = frame.at<std::uint8_t>(y * 72 / 60 + 1, x * 96 / 80 + 1);
-        // What lies between two frames is told as the one before; a cell has several times.
-        CHECK(std::abs((level - 20) / 7.0 - sources.frames(y, x)) < 1.6);
-      }
-  });
-  CHECK(played > 20000);
-}

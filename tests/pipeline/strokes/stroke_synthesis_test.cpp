@@ -87,6 +87,4 @@ TEST_CASE("strokes that live again: what cannot be drawn is refused") {
                  }),
                  "contrast"));
   CHECK_THROWS_AS(StrokeSynthesis({scene.frames[0]}, scene.strokes, {}), core::InputError);
-  StrokeSynthesis synthesis(scene.frames, scene.strokes, {});
-  CHECK_THROWS_AS(synthesis.sources(), core::InputError);
 }

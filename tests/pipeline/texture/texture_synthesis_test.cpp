@@ -113,7 +113,6 @@ TEST_CASE("a texture of footage refuses what it cannot do") {
   const pipeline::ClipSynthesis synthesis(model, {.method = SynthesisMethod::texture});
   CHECK(synthesis.statistics() == nullptr);
   CHECK(contains(message_of<core::InputError>([&] { (void)synthesis.motion(3); }), "no strokes"));
-  CHECK(contains(message_of<core::InputError>([&] { (void)synthesis.sources(); }), "no source"));
   model.footage->frames.resize(1);
   CHECK(contains(refusal({}), "two frames"));
   model.footage.reset();
