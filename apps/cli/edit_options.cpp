@@ -57,20 +57,15 @@ void add_looks(CLI::App& app, EditOptions& options) {
 
 }  // namespace
 
-void add_edit_options(CLI::App& app, EditOptions& options, Settings* settings) {
+void add_edit_options(CLI::App& app, EditOptions& options, Settings& settings) {
   auto& edit = options.edit;
   add_number(app, "--speed", edit.speed, "X",
              "Move X times as fast, 0.1 to 10; --reverse runs time backwards");
   app.add_flag("--reverse", edit.reverse, "Run time backwards")->group("");
   add_looks(app, options);
-  if (settings != nullptr) options.rates = kSynthGroup;
-  for (std::size_t i = 0; i < kRates.size(); ++i) {
-    const std::string about = std::string("Multiply the rate of ") + kRates[i];
-    if (settings != nullptr)
-      settings->add(kSynthGroup, kRates[i], &edit.rates[i], "X", about, "0 to 10");
-    else
-      add_number(app, std::string("--") + kRates[i], edit.rates[i], "X", about + ", 0 to 10");
-  }
+  for (std::size_t i = 0; i < kRates.size(); ++i)
+    settings.add(kSynthGroup, kRates[i], &edit.rates[i], "X",
+                 std::string("Multiply the rate of ") + kRates[i], "0 to 10");
 }
 
 void check(EditOptions& options) {
@@ -85,7 +80,7 @@ void check(EditOptions& options) {
   } catch (const core::InputError& error) {
     const std::string message = without_struct_name(error.what());
     if (std::ranges::any_of(kRates, [&](const char* rate) { return message.starts_with(rate); }))
-      misuse(message, {kRates.begin(), kRates.end()}, options.rates);
+      misuse(message, {kRates.begin(), kRates.end()}, kSynthGroup);
     misuse(message, {"speed", "intensity", "flicker", "contrast", "wind"}, "");
   }
 }

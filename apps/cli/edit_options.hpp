@@ -16,12 +16,10 @@ namespace emberfold::apps {
 struct EditOptions {
   mcmc::MotionEdit edit;
   std::string strokes = "all", birth_map, wind;
-  std::string rates;  ///< group of --set that has births, deaths …; empty where they are options
 };
 
-/// Adds --speed, --reverse, --intensity and others, and the rates of events as --births …, or, given
-/// `settings`, to these (synth.births …).
-void add_edit_options(CLI::App& command, EditOptions& options, Settings* settings = nullptr);
+/// Adds --speed, --reverse, --intensity and others, and the rates of events to the settings (synth.births …).
+void add_edit_options(CLI::App& command, EditOptions& options, Settings& settings);
 
 /// Checks the options. Throws Misuse that names the option.
 void check(EditOptions& options);

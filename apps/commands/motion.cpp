@@ -9,11 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/command_line.hpp"
-#include "apps/cli/edit_options.hpp"
 #include "apps/cli/summary.hpp"
 #include "apps/report/report_model.hpp"
 #include "core/io/model_folder.hpp"
-#include "core/io/require_apart.hpp"
 #include "pipeline/clip_model.hpp"
 #include "pipeline/parameter_count.hpp"
 
@@ -22,11 +20,6 @@ namespace emberfold::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct Edited {
-  std::string model, output;
-  EditOptions edit;
-};
 
 struct MotionInfo {
   std::string model;
@@ -39,13 +32,6 @@ pipeline::ClipModel read_whole_model(const std::string& folder) {
   } catch (const core::IoError& error) {
     throw core::IoError(folder + ": " + error.what());
   }
-}
-
-pipeline::ClipModel read_drawable_model(const std::string& folder) {
-  auto model = read_whole_model(folder);
-  if (const auto why = pipeline::why_undrawable(model.motion); !why.empty())
-    throw core::IoError(folder + ": " + why);
-  return model;
 }
 
 Json model_json(const pipeline::ClipModel& model) {
@@ -94,55 +80,9 @@ std::string model_table(const Json& model) {
   return out.str();
 }
 
-void run_edit(Edited asked, Session& session) {
-  check(asked.edit);
-  if (!changes(asked.edit))
-    throw Misuse("nothing to edit: give --speed, --births, --wind or others, see --help");
-  io::require_apart({asked.model, asked.edit.birth_map}, {{asked.output}});
-  io::ModelFolder folder(asked.output);
-  Stages stages;
-  stages.begin("read");
-  auto model = read_drawable_model(asked.model);
-  stages.begin("edit");
-  const auto edited = apply_edits(std::move(model), asked.edit, session);
-  stages.begin("write");
-  io::write_model(folder.output(), "", pipeline::to_archive(edited));
-  stages.end();
-  Json summary = begin_summary("motion edit", session);
-  summary["source"] = asked.model;
-  summary["options"] = {{"edit", edit_json(asked.edit)}};
-  summary["model"] = model_json(edited);
-  summary["files"] = {{"model.json", "what the model is"}, {"summary.json", "all figures"}};
-  end_summary(summary, session, stages);
-  write_summary(folder.output(), summary);
-  session.check_stop();
-  folder.commit();
-  session.console.say("the edited model is " + asked.output + "; 'emberfold synth' draws it");
-  if (session.common.json) session.print(json_text(summary));
-}
-
 void run_motion_info(const MotionInfo& asked, const Session& session) {
   const Json model = model_json(read_whole_model(asked.model));
   session.print(session.common.json ? json_text(model) : model_table(model));
-}
-
-void add_model(CLI::App& command, std::string& model) {
-  command.add_option("MODEL", model, "Read the model from this folder, DIR/model of analyze")
-      ->required()
-      ->type_name("");
-}
-
-void add_edit(CLI::App& motion, CommandLine& line) {
-  auto* command = add_command(motion, "edit", "Change how strokes move and how often they change", R"(
-  emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
-  emberfold motion edit out/fire/model -o out/storm --wind 2,0 --contrast 1.5)");
-  const auto asked = std::make_shared<Edited>();
-  add_model(*command, asked->model);
-  command->add_option("-o,--output", asked->output, "Write the edited model into this folder")
-      ->type_name("MODEL2")
-      ->required();
-  add_edit_options(*command, asked->edit);
-  finish_command(*command, line, asked, run_edit);
 }
 
 void add_info(CLI::App& motion, CommandLine& line) {
@@ -150,7 +90,9 @@ void add_info(CLI::App& motion, CommandLine& line) {
   emberfold motion info out/fire/model
   emberfold motion info out/fire/model --json | jq .parameters)");
   const auto asked = std::make_shared<MotionInfo>();
-  add_model(*command, asked->model);
+  command->add_option("MODEL", asked->model, "Read the model from this folder, DIR/model of analyze")
+      ->required()
+      ->type_name("");
   finish_command(*command, line, asked, run_motion_info);
 }
 
@@ -158,14 +100,11 @@ void add_info(CLI::App& motion, CommandLine& line) {
 
 void add_motion(CLI::App& app, CommandLine& line) {
   auto* command =
-      add_command(app, "motion", "Edit and describe motion models, judge clips by them, and morph graphs", R"(
-  emberfold motion edit out/fire/model -o out/wild --speed 1.5 --splits 3
-  emberfold synth out/wild -o wild.mp4
-  emberfold motion info out/wild
+      add_command(app, "motion", "Describe motion models, judge clips by them, and morph graphs", R"(
+  emberfold motion info out/fire/model
   emberfold motion likelihood out/fire/model out/fire
   emberfold motion morph a.png b.png -o out/morph)");
   command->require_subcommand(0, 1);
-  add_edit(*command, line);
   add_info(*command, line);
   add_motion_likelihood(*command, line);
   add_morph(*command, line);

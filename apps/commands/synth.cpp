@@ -197,7 +197,7 @@ void add_synthesis(CLI::App& app, CommandLine& line) {
       ->type_name("KIND")
       ->check(CLI::IsMember({"data", "stationary"}).description(""))
       ->default_str(asked->start);
-  add_edit_options(*command, asked->edit, settings.get());
+  add_edit_options(*command, asked->edit, *settings);
   finish_command(*command, line, asked, run_synth,
                  [asked, frames] { asked->asked_frames = frames->count() > 0; });
 }

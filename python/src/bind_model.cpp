@@ -56,7 +56,7 @@ py::array picture_of(const py::handle& given) {
   return array;
 }
 
-/// Reads edits from keyword arguments, as the options of `emberfold motion edit` are called.
+/// Reads edits from keyword arguments, as the options of `emberfold synth` are called.
 mcmc::MotionEdit edit_of(const py::kwargs& given, const mcmc::MotionModel& model) {
   mcmc::MotionEdit edit;
   constexpr std::array kRates{"births", "deaths", "splits", "merges", "connects", "disconnects"};

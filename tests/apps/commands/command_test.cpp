@@ -288,7 +288,7 @@ TEST_CASE("the help of every command fits on one screen") {
   for (const char* one : {"learn", "edit", "synth", "compose", "page", "info", "forecast", "curve",
                           "distance", "classify", "compress"})
     commands.push_back({"dytex", one});
-  for (const char* one : {"edit", "info", "likelihood", "morph"}) commands.push_back({"motion", one});
+  for (const char* one : {"info", "likelihood", "morph"}) commands.push_back({"motion", one});
   for (auto words : commands) {
     words.emplace_back("--help");
     const auto help = run_command(words);
