@@ -8,6 +8,7 @@
 #include <map>
 #include <tuple>
 
+#include "graph/events/believed_lives.hpp"
 #include "graph/events/tip_links.hpp"
 
 namespace emberfold::graph {
@@ -172,7 +173,20 @@ void find_loose_tips(const AttributeGraph& before, const AttributeGraph& after, 
 struct NamedEvent {
   TracedEvent traced;
   Contact contact = Contact::none;
+  bool at_border = false;  ///< of a birth or a death
 };
+
+/// Returns whether the stroke that an event begins came in through the border, or the one it ends went out.
+bool passes_border(const std::map<SubgraphId, detail::Life>& lives, const Event& event) {
+  const auto frame = static_cast<std::size_t>(event.frame);
+  if (event.type == EventType::birth) {
+    const detail::Life& life = lives.at(event.after.front());
+    return life.first == frame && life.comes_in;
+  }
+  if (event.type != EventType::death) return false;
+  const detail::Life& life = lives.at(event.before.front());
+  return life.last + 1 == frame && life.goes_out;
+}
 
 /// Adds the changes between two frames. `events`: of this frame.
 void add_frame_changes(const MotionGraph& motion, std::size_t t, std::span<const NamedEvent> events,
@@ -182,11 +196,12 @@ void add_frame_changes(const MotionGraph& motion, std::size_t t, std::span<const
   std::vector<ClusterBook> books(clusters.count);
   count_vertices(before, clusters.of_before, books, &ClusterBook::before);
   count_vertices(after, clusters.of_after, books, &ClusterBook::after);
-  for (const auto& [traced, contact] : events) {
+  for (const auto& [traced, contact, at_border] : events) {
     const bool in_after = traced.path_frame == static_cast<int>(t);
     const std::size_t vertex = (in_after ? after : before).index_of(traced.path.front());
-    books[(in_after ? clusters.of_after : clusters.of_before)[vertex]].changes.push_back(
-        change_of(traced.event, contact));
+    TopologyChange change = change_of(traced.event, contact);
+    if (at_border) change.change = change.change == Change::birth ? Change::enters : Change::leaves;
+    books[(in_after ? clusters.of_after : clusters.of_before)[vertex]].changes.push_back(change);
   }
   find_loose_tips(before, after, motion.links[t], clusters, books);
   const BookCloser closer(before, after, clusters);
@@ -199,10 +214,10 @@ void add_frame_changes(const MotionGraph& motion, std::size_t t, std::span<const
 }  // namespace
 
 std::string_view name(Change change) {
-  constexpr std::array<std::string_view, 11> kNames{
+  constexpr std::array<std::string_view, 13> kNames{
       "birth",      "death",       "split",       "merge",           "connect",
       "disconnect", "ring_closed", "ring_opened", "branch_extruded", "branch_retracted",
-      "t1"};
+      "enters",     "leaves",      "t1"};
   return kNames.at(static_cast<std::size_t>(change));
 }
 
@@ -211,9 +226,12 @@ std::vector<TopologyChange> topology_changes(const MotionGraph& motion) {
   std::vector<Event> events;
   for (const TracedEvent& one : traced) events.push_back(one.event);
   const auto contacts = event_contacts(motion, events);
-  std::vector<std::vector<NamedEvent>> by_frame(motion.sketch.frames.size());
+  const std::size_t frames = motion.sketch.frames.size();
+  const auto lives = detail::believed_lives(motion, detail::Believed(frames + 1), {});
+  std::vector<std::vector<NamedEvent>> by_frame(frames);
   for (std::size_t k = 0; k < traced.size(); ++k)
-    by_frame[static_cast<std::size_t>(traced[k].event.frame)].push_back({std::move(traced[k]), contacts[k]});
+    by_frame[static_cast<std::size_t>(traced[k].event.frame)].push_back(
+        {std::move(traced[k]), contacts[k], passes_border(lives, events[k])});
   auto changes = find_neighbour_swaps(motion);
   for (std::size_t t = 1; t < by_frame.size(); ++t) add_frame_changes(motion, t, by_frame[t], changes);
   std::ranges::stable_sort(changes, {}, [](const TopologyChange& c) {

@@ -22,6 +22,8 @@ enum class Change : std::uint8_t {
   ring_opened,
   branch_extruded,
   branch_retracted,
+  enters,  ///< a stroke, through the picture's border
+  leaves,
   t1,
 };
 /// Returns the name of a change as files write it.
@@ -46,7 +48,8 @@ struct TopologyChange {
 /// contact; loops that close or open within linked strokes net of each other are rings; what tips and
 /// branches then lack are branches that grew or went. Swaps of neighbours (find_neighbour_swaps) add nothing.
 /// Sorted by frame, then change, then place. The strokes must be identified. Throws InputError as
-/// validate() does. O(n log n), and the squares of the tips of each cluster.
+/// validate() does. A stroke that moves in or out through the picture's border enters or leaves; it is not
+/// born and does not die. O(n log n), and the squares of the tips of each cluster.
 std::vector<TopologyChange> topology_changes(const MotionGraph& motion);
 
 /// Finds swaps of neighbours (T1 processes): a short edge between two forks shrinks, and one across it grows,

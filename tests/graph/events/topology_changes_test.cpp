@@ -90,10 +90,10 @@ TEST_CASE("In every frame of any motion graph the figures change as the events s
     const auto motion = graph::identify(test::random_motion(seed, 6, 8));
     const auto changes = graph::topology_changes(motion);
     REQUIRE(is_balanced(motion, changes));
-    // the six classes are the events
+    // the six classes are the events, but for what passes the border
     const auto events = graph::stroke_events(motion);
     CHECK(std::ranges::count_if(changes, [](const TopologyChange& c) {
-            return c.change <= Change::disconnect;
+            return c.change <= Change::disconnect || c.change == Change::enters || c.change == Change::leaves;
           }) == static_cast<std::ptrdiff_t>(events.size()));
     for (const TopologyChange& c : changes) {
       CHECK(c.tips - c.branches == 2 * (c.components - c.loops));
@@ -102,6 +102,34 @@ TEST_CASE("In every frame of any motion graph the figures change as the events s
     }
   }
   CHECK((rings > 50 && branches > 50));
+}
+
+TEST_CASE("A stroke that moves through the border enters or leaves; one that ends beside it dies",
+          "[graph][events]") {
+  // a line parallel to the left border, which it moves towards by `step` px a frame, away from it backwards
+  const auto changes_of = [](double step, bool backwards) {
+    std::vector<graph::AttributeGraph> frames;
+    std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links(5);
+    for (int t = 0; t < 5; ++t) {
+      test::Frame frame;
+      const double x = 3 + step * (4 - t);
+      frame.line(test::segment({x, 100}, {x, 140}, 9));
+      frames.push_back(frame.graph());
+      for (std::uint32_t v = 0; t > 0 && v < 9; ++v)
+        links[static_cast<std::size_t>(t - 1)].emplace_back(v, v);
+    }
+    frames.emplace_back();
+    if (backwards) std::ranges::reverse(frames), std::ranges::reverse(links);
+    const auto motion = graph::identify(test::motion(frames, links));
+    const auto changes = graph::topology_changes(motion);
+    CHECK(is_balanced(motion, changes));
+    REQUIRE(changes.size() == 1);
+    return changes.front().change;
+  };
+  CHECK(changes_of(4, false) == Change::leaves);
+  CHECK(changes_of(4, true) == Change::enters);
+  CHECK(changes_of(0, false) == Change::death);
+  CHECK(changes_of(0, true) == Change::birth);
 }
 
 TEST_CASE("A branch that grows out of a line, and goes, is one change with a length", "[graph][events]") {
