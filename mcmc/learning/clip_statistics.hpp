@@ -19,10 +19,7 @@ struct OperatorCounts {
   /// Holds a number of events and the number of occasions for them.
   struct Count {
     double events = 0, exposure = 0;
-    double variance = 0;  ///< of `events` between the samples of the clip's graph that it is the mean of
-    Count& operator+=(const Count& o) {
-      return events += o.events, exposure += o.exposure, variance += o.variance, *this;
-    }
+    Count& operator+=(const Count& o) { return events += o.events, exposure += o.exposure, *this; }
   };
   Count split, merge, connect, disconnect;  ///< could: sites × frames (mcmc/learning/operator_sites.hpp)
   std::array<Count, kSizeClasses> death;    ///< could: strokes × frames
@@ -35,7 +32,6 @@ struct OperatorCounts {
 
   /// Events by kind, for reports: birth, death, split, merge, connect, disconnect.
   std::array<double, 6> events{};
-  std::array<double, 6> events_variance{};  ///< between samples
 };
 
 /// Holds mean numbers of a clip, per frame.

@@ -28,8 +28,8 @@ constexpr double renewal = 1e-3;  // of a stroke in a frame, to begin with
 
 using CurveTracks = std::vector<detail::CurveTrack>;
 
-// Tracks of one sample.
-struct FollowedSample {
+// The tracks of a clip.
+struct FollowedClip {
   CurveTracks tracks;
   Series normal_displacement;  // less the drift
 };
@@ -59,7 +59,7 @@ Series contrasts(const CurveTracks& all) {
 }
 
 // Contrast of a stroke in its first frames, over its later contrast; `backwards`: in its last frames.
-std::array<double, 8> fade_shares(std::span<const FollowedSample> samples, int frames, bool backwards) {
+std::array<double, 8> fade_shares(const CurveTracks& tracks, int frames, bool backwards) {
   std::array<double, 8> sum{}, shares{};
   double count = 0;
   const auto add = [&](const detail::CurveTrack& track) {
@@ -72,7 +72,7 @@ std::array<double, 8> fade_shares(std::span<const FollowedSample> samples, int f
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += at(k) - later;
     ++count;
   };
-  for (const auto& sample : samples) std::ranges::for_each(sample.tracks, add);
+  std::ranges::for_each(tracks, add);
   for (std::size_t k = 0; k < sum.size(); ++k) shares[k] = count > 0 ? std::exp(sum[k] / count) : 1;
   // The share rises with every frame, up to 1.
   double limit = 1;
@@ -93,38 +93,32 @@ std::size_t typical_frame(const graph::MotionGraph& motion) {
   return static_cast<std::size_t>(found - frames.begin());
 }
 
-void add_map(CellMap& to, const CellMap& from, double share) {
-  for (std::size_t c = 0; c < to.values.size(); ++c) to.values[c] += share * from.values[c];
-}
-
-CellMap mean_density(std::span<const graph::MotionGraph> samples) {
-  const auto& sketch = samples[0].sketch;
+CellMap mean_density(const graph::MotionGraph& motion) {
+  const auto& sketch = motion.sketch;
   CellMap map = make_cell_grid(sketch.width, sketch.height);
-  const double share = 1 / static_cast<double>(sketch.frames.size() * samples.size());
-  for (const auto& motion : samples)
-    for (const auto& graph : motion.sketch.frames)
-      for (const auto& vertex : graph.vertices()) map.values[map.index(vertex.patch.position)] += share;
+  const double share = 1 / static_cast<double>(sketch.frames.size());
+  for (const auto& graph : sketch.frames)
+    for (const auto& vertex : graph.vertices()) map.values[map.index(vertex.patch.position)] += share;
   map.values = spread_over_cells(map, 2);
   return map;
 }
 
 // SD of the travel about its mean in each cell, without the sketch's errors, over the usual SD; nearer to 1
 // with few observations.
-CellMap displacement_scale_map(std::span<const FollowedSample> samples, const Autoregression& displacement,
+CellMap displacement_scale_map(const FollowedClip& followed, const Autoregression& displacement,
                                const CellMap& grid) {
   CellMap roots = grid, counts = grid;
-  const double share = 1 / static_cast<double>(samples.size());
-  for (const auto& [all, normal_displacement] : samples)
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (normal_displacement[i].size() < kShortestAtRest) continue;
-      const double mean = std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) /
-                          double(normal_displacement[i].size());
-      for (std::size_t k = 0; k < normal_displacement[i].size(); ++k) {
-        const auto cell = grid.index(all[i].samples[k].position);
-        roots.values[cell] += share * std::sqrt(std::abs(normal_displacement[i][k] - mean));
-        counts.values[cell] += share;
-      }
+  const auto& [all, normal_displacement] = followed;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (normal_displacement[i].size() < kShortestAtRest) continue;
+    const double mean = std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) /
+                        double(normal_displacement[i].size());
+    for (std::size_t k = 0; k < normal_displacement[i].size(); ++k) {
+      const auto cell = grid.index(all[i].samples[k].position);
+      roots.values[cell] += std::sqrt(std::abs(normal_displacement[i][k] - mean));
+      counts.values[cell] += 1;
     }
+  }
   CellMap shares = grid;
   const double error = displacement.measurement * displacement.measurement;
   const double usual = displacement.noise > 0 ? std::pow(stationary_deviation(displacement), 2) : 0;
@@ -142,50 +136,24 @@ void append(std::vector<std::string>& all, const std::vector<std::string>& more)
   all.insert(all.end(), more.begin(), more.end());
 }
 
-void check(std::span<const graph::MotionGraph> samples) {
-  if (samples.empty())
-    throw core::InputError("a motion model is learned from one sample or more; here is none");
-  const auto shape = [](const graph::MotionGraph& motion) {
-    return std::to_string(motion.sketch.frames.size()) + " frames of " + std::to_string(motion.sketch.width) +
-           " x " + std::to_string(motion.sketch.height);
-  };
-  for (std::size_t i = 1; i < samples.size(); ++i)
-    if (shape(samples[i]) != shape(samples[0]))
-      throw core::InputError("samples of one clip are alike in frames and size; sample " + std::to_string(i) +
-                             " has " + shape(samples[i]) + ", the first " + shape(samples[0]));
-  if (const auto frames = samples[0].sketch.frames.size(); frames < 2)
-    throw core::InputError("a motion model is learned from two frames or more; here are " +
-                           std::to_string(frames));
-}
-
-// Learns drift, displacement and contrast; returns each sample's tracks.
-std::vector<FollowedSample> learn_motion(std::span<const graph::MotionGraph> samples, FitResult& result) {
+// Learns drift, displacement and contrast; returns the tracks.
+FollowedClip learn_motion(const graph::MotionGraph& motion, FitResult& result) {
   MotionModel& model = result.model;
   const CellMap grid = make_cell_grid(model.width, model.height);
-  Drift drift{grid, grid};
-  std::vector<FollowedSample> followed;
-  for (const auto& motion : samples) {
-    followed.push_back({detail::track_curves(motion), {}});
-    const Drift one = estimate_drift(followed.back().tracks, grid);
-    add_map(drift.x, one.x, 1 / static_cast<double>(samples.size()));
-    add_map(drift.y, one.y, 1 / static_cast<double>(samples.size()));
-  }
-  MotionObservations normal_displacements, brightness;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    auto& [tracks, normal_displacement] = followed[i];
-    normal_displacement = without_drift(tracks, drift);
-    normal_displacements += collect_observations(samples[i], tracks, normal_displacement, true);
-    brightness += collect_observations(samples[i], tracks, contrasts(tracks), false);
-  }
-  const auto displacement = estimate_motion(normal_displacements, "sway"),
-             contrast = estimate_motion(brightness, "contrast");
+  FollowedClip followed{detail::track_curves(motion), {}};
+  const Drift drift = estimate_drift(followed.tracks, grid);
+  followed.normal_displacement = without_drift(followed.tracks, drift);
+  const auto displacement = estimate_motion(
+      collect_observations(motion, followed.tracks, followed.normal_displacement, true), "sway");
+  const auto contrast = estimate_motion(
+      collect_observations(motion, followed.tracks, contrasts(followed.tracks), false), "contrast");
   model.drift_x = drift.x, model.drift_y = drift.y;
   model.displacement = displacement.motion, model.contrast = contrast.motion;
   model.displacement_scale = displacement_scale_map(followed, model.displacement, grid);
   append(result.notes, displacement.notes);
   append(result.notes, contrast.notes);
-  model.appearing = fade_shares(followed, model.frames, false);
-  model.vanishing = fade_shares(followed, model.frames, true);
+  model.appearing = fade_shares(followed.tracks, model.frames, false);
+  model.vanishing = fade_shares(followed.tracks, model.frames, true);
   return followed;
 }
 
@@ -220,54 +188,42 @@ std::vector<std::string> calibrate_births(FitResult& result, std::array<double, 
 
 }  // namespace
 
-FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& options,
-              const core::Context& context) {
-  check(samples);
+FitResult fit(const graph::MotionGraph& motion, const FitOptions& options, const core::Context& context) {
+  if (motion.sketch.frames.size() < 2)
+    throw core::InputError("a motion model is learned from two frames or more; here are " +
+                           std::to_string(motion.sketch.frames.size()));
   FitResult result;
   MotionModel& model = result.model;
-  const auto& last = samples.back();
-  model.width = last.sketch.width, model.height = last.sketch.height;
-  model.fps = last.sketch.fps, model.frames = static_cast<int>(last.sketch.frames.size());
+  model.width = motion.sketch.width, model.height = motion.sketch.height;
+  model.fps = motion.sketch.fps, model.frames = static_cast<int>(motion.sketch.frames.size());
 
   context.report("fit", 0);
-  const auto followed = learn_motion(samples, result);
+  const auto followed = learn_motion(motion, result);
 
   context.report("fit", 0.3);
-  std::vector<OperatorCounts> counts;
-  std::vector<std::vector<graph::Event>> events;
-  std::array<double, kSizeClasses> born{};
-  double refractory_period = 8;
-  for (const auto& motion : samples) {
-    events.push_back(graph::stroke_events(motion));
-    counts.push_back(count_operators(motion, events.back()));
-    refractory_period = std::min(refractory_period, estimate_refractory_period(events.back()));
-    const auto sizes = count_births_by_size(motion, events.back());
-    for (std::size_t s = 0; s < kSizeClasses; ++s) born[s] += sizes[s] / static_cast<double>(samples.size());
-  }
-  result.counts = mean_counts(counts);
+  const auto events = graph::stroke_events(motion);
+  result.counts = count_operators(motion, events);
   auto rates = estimate_rates(result.counts);
   model.rates = std::move(rates.rates);
-  model.rates.refractory_period = refractory_period;
-  model.rates.modifiers = estimate_rate_modifiers(samples, events, model.rates);
+  model.rates.refractory_period = std::min(8.0, estimate_refractory_period(events));
+  model.rates.modifiers = estimate_rate_modifiers(motion, events, model.rates);
   result.events_per_frame = rates.events_per_frame, result.death_by_size = rates.death_by_size;
   append(result.notes, rates.notes);
-  const auto deviation = patch_deviations(last, followed.back().tracks, followed.back().normal_displacement);
-  model.exemplars = sample_exemplars(last, deviation, most_exemplars);
-  model.density = mean_density(samples);
-  model.hard_core = estimate_hard_core(samples);
-  const auto usual = typical_frame(last);
-  model.first = graph_at_rest(last.sketch.frames[usual], deviation[usual]);
-  model.first_motion = estimate_initial_motion(last, deviation, usual, model.displacement_scale);
+  const auto deviation = patch_deviations(motion, followed.tracks, followed.normal_displacement);
+  model.exemplars = sample_exemplars(motion, deviation, most_exemplars);
+  model.density = mean_density(motion);
+  model.hard_core = estimate_hard_core(motion);
+  const auto usual = typical_frame(motion);
+  model.first = graph_at_rest(motion.sketch.frames[usual], deviation[usual]);
+  model.first_motion = estimate_initial_motion(motion, deviation, usual, model.displacement_scale);
   result.observed = event_statistics(result.counts, sum(model.density));
 
   context.report("fit", 0.5);
-  if (options.calibrate) append(result.notes, calibrate_births(result, born, options.seed, context));
+  if (options.calibrate)
+    append(result.notes,
+           calibrate_births(result, count_births_by_size(motion, events), options.seed, context));
   context.check();
   return result;
-}
-
-FitResult fit(const graph::MotionGraph& motion, const FitOptions& options, const core::Context& context) {
-  return fit(std::span(&motion, 1), options, context);
 }
 
 }  // namespace emberfold::mcmc

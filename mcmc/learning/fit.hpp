@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -31,16 +30,11 @@ struct FitResult {
   std::vector<std::string> notes;
 };
 
-/// Learns Θ from samples of the posterior of one clip's matched graph.
-/// It is the M step of Monte Carlo EM (Wei & Tanner 1990): auto-regressions maximise the mean likelihood;
-/// rates come from mean counts of events and of sites; exemplars and the first frame are the last sample's.
-/// The rates are then calibrated by simulation, so that a drawn clip keeps its number of strokes. Throws
-/// core::InputError for no sample, samples of different sizes or lengths, or fewer than two frames;
-/// core::Cancelled. O(vertices log vertices) and some thousand simulated frames.
-FitResult fit(std::span<const graph::MotionGraph> samples, const FitOptions& options = {},
-              const core::Context& context = {});
-
-/// Learns Θ from one sample: a clip matched once.
+/// Learns Θ from a clip's matched graph.
+/// Auto-regressions are those of the greatest likelihood; rates come from counts of events and of sites. The
+/// rates are then calibrated by simulation, so that a drawn clip keeps its number of strokes. Throws
+/// core::InputError for fewer than two frames; core::Cancelled. O(vertices log vertices) and some thousand
+/// simulated frames.
 FitResult fit(const graph::MotionGraph& motion, const FitOptions& options = {},
               const core::Context& context = {});
 

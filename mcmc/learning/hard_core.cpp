@@ -90,14 +90,13 @@ double largest_hard_core_distance(const HardCoreDistances& hard_core) {
   return std::max({hard_core.alike, hard_core.lines, hard_core.mixed});
 }
 
-HardCoreDistances estimate_hard_core(std::span<const graph::MotionGraph> samples) {
+HardCoreDistances estimate_hard_core(const graph::MotionGraph& motion) {
   Counts seen{}, expected{};
-  for (const auto& motion : samples)
-    for (const auto& graph : motion.sketch.frames) {
-      const IndexedFrame frame = index_frame(graph);
-      count_near(frame, {}, 1, seen);
-      for (const Point shift : elsewhere) count_near(frame, shift, 1.0 / elsewhere.size(), expected);
-    }
+  for (const auto& graph : motion.sketch.frames) {
+    const IndexedFrame frame = index_frame(graph);
+    count_near(frame, {}, 1, seen);
+    for (const Point shift : elsewhere) count_near(frame, shift, 1.0 / elsewhere.size(), expected);
+  }
   std::array<double, kinds> result{};
   for (std::size_t k = 0; k < kinds; ++k)
     for (std::size_t s = 0; s < steps; ++s)

@@ -18,7 +18,7 @@ double largest_hard_core_distance(const HardCoreDistances& hard_core);
 /// Estimates for each pair of kinds the greatest distance, up to 12 px, at which strokes avoid each other.
 /// Within it patches have a neighbour of another stroke a fifth as often as they would at places nearby. 0
 /// where too few neighbours are expected to tell. O(patches).
-HardCoreDistances estimate_hard_core(std::span<const graph::MotionGraph> samples);
+HardCoreDistances estimate_hard_core(const graph::MotionGraph& motion);
 
 namespace detail {
 

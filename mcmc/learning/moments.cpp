@@ -179,26 +179,6 @@ void add_pairs(Moments& sums, const graph::AttributeGraph& graph, std::size_t fr
 
 }  // namespace
 
-Moments& Moments::operator+=(const Moments& other) {
-  own += other.own;
-  windows += other.windows;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    products[i] += other.products[i], squares[i] += other.squares[i];
-    pairs[i] += other.pairs[i];
-  }
-  return *this;
-}
-
-MotionObservations& MotionObservations::operator+=(MotionObservations other) {
-  moments += other.moments;
-  if (paths.empty()) {
-    paths = std::move(other.paths);
-  } else {
-    std::ranges::move(other.paths, std::back_inserter(paths));
-  }
-  return *this;
-}
-
 MotionObservations collect_observations(const graph::MotionGraph& motion,
                                         const std::vector<detail::CurveTrack>& all, const Series& series,
                                         bool turns) {

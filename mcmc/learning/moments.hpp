@@ -25,8 +25,6 @@ struct Moments {
   /// For pairs of tracks on one stroke, with s = d(t) − d(t−4): Σ s s′, Σ (s² + s′²)/2 and the number of
   /// pairs, by distance: up to 5 px, 10 px, …
   std::array<double, 12> products{}, squares{}, pairs{};
-
-  Moments& operator+=(const Moments& other);
 };
 
 /// Estimates the variance of normal numbers robustly, from the mean root of their moduli (Cressie & Hawkins
@@ -49,12 +47,10 @@ class RobustVariance {
 /// One attribute of every track: a series for each, as long as its samples.
 using Series = std::vector<std::vector<double>>;
 
-/// Holds what an Autoregression is learned from. Observations of several clips add.
+/// Holds what an Autoregression is learned from.
 struct MotionObservations {
   Moments moments;                           ///< of tracks of 12 frames or more: shorter ones show no rest
   std::vector<detail::DeviationPath> paths;  ///< of tracks of 6 frames or more
-
-  MotionObservations& operator+=(MotionObservations other);
 };
 
 /// Collects the observations of one attribute of a clip's tracks. `turns_with_normal`: whether its sign

@@ -42,7 +42,7 @@ void add_intervals(const OperatorCounts& counts, RateEstimate& result) {
   if (counts.gaps <= 0) return;
   for (std::size_t type = 0; type < counts.events.size(); ++type) {
     auto& interval = result.events_per_frame[type];
-    interval = rate_interval(counts.events[type], counts.gaps, counts.events_variance[type], jeffreys, 0);
+    interval = rate_interval(counts.events[type], counts.gaps, 0, jeffreys, 0);
     interval.mean = counts.events[type] / counts.gaps;
     if (counts.events[type] <= 0) interval.low = 0;
   }
@@ -51,32 +51,9 @@ void add_intervals(const OperatorCounts& counts, RateEstimate& result) {
   if (deaths.events <= 0) return;
   for (std::size_t s = 0; s < kSizeClasses; ++s) {
     const auto& count = counts.death[s];
-    result.death_by_size[s] = rate_interval(count.events, count.exposure, count.variance, doubt,
-                                            doubt * deaths.exposure / deaths.events);
+    result.death_by_size[s] =
+        rate_interval(count.events, count.exposure, 0, doubt, doubt * deaths.exposure / deaths.events);
   }
-}
-
-void require_alike(const OperatorCounts& a, const OperatorCounts& b, std::size_t index) {
-  if (a.births.size() == b.births.size() && a.expected_deaths.columns == b.expected_deaths.columns &&
-      a.expected_deaths.rows == b.expected_deaths.rows && a.expected_deaths.cell == b.expected_deaths.cell)
-    return;
-  const auto shape = [](const OperatorCounts& c) {
-    return std::to_string(c.births.size() + 1) + " frames of " + std::to_string(c.expected_deaths.columns) +
-           " x " + std::to_string(c.expected_deaths.rows) + " cells";
-  };
-  throw core::InputError("samples of one clip are alike in frames and size; sample " + std::to_string(index) +
-                         " has " + shape(b) + ", the first " + shape(a));
-}
-
-void add(double& to, double from, double share) {
-  to += share * from;
-}
-void add(CellMap& to, const CellMap& from, double share) {
-  for (std::size_t c = 0; c < to.values.size(); ++c) to.values[c] += share * from.values[c];
-}
-template <class T>
-void add_all(T& to, const T& from, double share) {
-  for (std::size_t i = 0; i < to.size(); ++i) add(to[i], from[i], share);
 }
 
 // Places at which events could happen.
@@ -256,51 +233,6 @@ OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const
         exposures.split.values[c] * rate(counts.split, counts.split) +
         exposures.disconnect.values[c] * rate(counts.disconnect, counts.disconnect);
   return counts;
-}
-
-OperatorCounts mean_counts(std::span<const OperatorCounts> samples) {
-  if (samples.empty()) throw core::InputError("a mean of counts is made of one sample or more; here is none");
-  const auto n = static_cast<double>(samples.size());
-  const double share = 1 / n, unbiased = 1 / std::max(1.0, n - 1);
-  OperatorCounts result;
-  result.reach = result.split_gap = result.disconnect_gap = 0;
-  result.expected_deaths = samples[0].expected_deaths;
-  std::ranges::fill(result.expected_deaths.values, 0.0);
-  result.expected_separations = result.expected_deaths;
-  result.births.assign(samples[0].births.size(), result.expected_deaths);
-  result.deaths = result.separations = result.births;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const auto& sample = samples[i];
-    require_alike(samples[0], sample, i);
-    add_all(result.births, sample.births, share);
-    add_all(result.deaths, sample.deaths, share);
-    add_all(result.separations, sample.separations, share);
-    add(result.expected_deaths, sample.expected_deaths, share);
-    add(result.expected_separations, sample.expected_separations, share);
-    add(result.reach, sample.reach, share);
-    add(result.split_gap, sample.split_gap, share);
-    add(result.disconnect_gap, sample.disconnect_gap, share);
-    add(result.gaps, sample.gaps, share);
-    add_all(result.events, sample.events, share);
-  }
-  const auto average = [&](auto count) {
-    OperatorCounts::Count m;
-    for (const auto& sample : samples)
-      add(m.events, count(sample).events, share), add(m.exposure, count(sample).exposure, share);
-    for (const auto& sample : samples)
-      add(m.variance, std::pow(count(sample).events - m.events, 2), unbiased);
-    return m;
-  };
-  result.split = average([](const auto& c) { return c.split; });
-  result.merge = average([](const auto& c) { return c.merge; });
-  result.connect = average([](const auto& c) { return c.connect; });
-  result.disconnect = average([](const auto& c) { return c.disconnect; });
-  for (std::size_t s = 0; s < kSizeClasses; ++s)
-    result.death[s] = average([s](const auto& c) { return c.death[s]; });
-  for (const auto& sample : samples)
-    for (std::size_t type = 0; type < result.events.size(); ++type)
-      add(result.events_variance[type], std::pow(sample.events[type] - result.events[type], 2), unbiased);
-  return result;
 }
 
 RateInterval rate_interval(double events, double time, double variance, double prior_events,

@@ -16,10 +16,6 @@ namespace emberfold::mcmc {
 /// Counts the events and sites of a matched clip; `events` are its stroke events. O(n log n).
 OperatorCounts count_operators(const graph::MotionGraph& motion, std::span<const graph::Event> events);
 
-/// Averages the counts of several samples of one clip's graph and adds the variance between samples.
-/// Throws core::InputError for no sample, and for samples of different maps or numbers of frames.
-OperatorCounts mean_counts(std::span<const OperatorCounts> samples);
-
 /// Computes the credible interval of a rate under a Gamma law.
 /// Its shape is `events` + `prior_events`, its rate `time` + `prior_time` (> 0). Its variance is increased by
 /// `variance`, the variance of `events` (law of total variance); a Gamma law of the same mean and variance

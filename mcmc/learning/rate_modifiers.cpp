@@ -113,25 +113,22 @@ double frames_since(std::span<const PastEvent> all, graph::Point place, double f
   return least;
 }
 
-RateModifiers estimate_rate_modifiers(std::span<const graph::MotionGraph> samples,
-                                      std::span<const std::vector<graph::Event>> events,
+RateModifiers estimate_rate_modifiers(const graph::MotionGraph& motion, std::span<const graph::Event> events,
                                       const OperatorRates& rates) {
   ModifierCounts counts;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    EventHistory past;
-    auto event = events[i].begin();
-    const auto& frames = samples[i].sketch.frames;
-    for (std::size_t t = 1; t < frames.size(); ++t) {
-      past.forget(static_cast<double>(t));
-      const auto& before = frames[t - 1];
-      const auto parts = graph::components(before);
-      const OperatorSites found = find_sites(before, parts, rates.reach);
-      add_expected(before, parts, found, past, static_cast<double>(t), rates, counts);
-      const auto first = event;
-      for (; event != events[i].end() && event->frame == static_cast<int>(t); ++event)
-        add_event(*event, before, found, past, counts);
-      std::for_each(first, event, [&](const graph::Event& one) { past.note(one); });
-    }
+  EventHistory past;
+  auto event = events.begin();
+  const auto& frames = motion.sketch.frames;
+  for (std::size_t t = 1; t < frames.size(); ++t) {
+    past.forget(static_cast<double>(t));
+    const auto& before = frames[t - 1];
+    const auto parts = graph::components(before);
+    const OperatorSites found = find_sites(before, parts, rates.reach);
+    add_expected(before, parts, found, past, static_cast<double>(t), rates, counts);
+    const auto first = event;
+    for (; event != events.end() && event->frame == static_cast<int>(t); ++event)
+      add_event(*event, before, found, past, counts);
+    std::for_each(first, event, [&](const graph::Event& one) { past.note(one); });
   }
   return {counts.death.ratios(),    counts.separation.ratios(), counts.unification.ratios(),
           counts.bridging.ratios(), counts.turning.ratios(),    1};

@@ -27,10 +27,9 @@ double frames_since(std::span<const PastEvent> all, graph::Point place, double f
 
 /// Estimates how rates depend on past events, on gaps and on turns.
 /// Each factor is the number of events of a class over the number that the other rates predict, shrunk
-/// towards 1 with the weight of one event. `events[i]` are samples[i]'s stroke events; strokes of the first
+/// towards 1 with the weight of one event. `events` are the stroke events, in order; strokes of the first
 /// frame are of unknown age. O(sites · events of 32 frames).
-RateModifiers estimate_rate_modifiers(std::span<const graph::MotionGraph> samples,
-                                      std::span<const std::vector<graph::Event>> events,
+RateModifiers estimate_rate_modifiers(const graph::MotionGraph& motion, std::span<const graph::Event> events,
                                       const OperatorRates& rates);
 
 }  // namespace emberfold::mcmc

@@ -54,7 +54,7 @@ TEST_CASE("How far strokes keep apart is read off, each kind of pair by itself",
   std::vector<graph::AttributeGraph> frames;
   for (int t = 0; t < 20; ++t) frames.push_back(folds(24, 4, rng));
   const auto motion = clip_of(std::move(frames));
-  const auto found = mcmc::estimate_hard_core(std::span(&motion, 1));
+  const auto found = mcmc::estimate_hard_core(motion);
   CHECK(found.alike == 12);  // as far as it looks
   CHECK_THAT(found.lines, WithinAbs(4, 0.51));
   CHECK_THAT(found.mixed, WithinAbs(4, 0.51));
@@ -73,7 +73,7 @@ TEST_CASE("Strokes that lie anywhere keep no distance", "[exclusion]") {
     frames.push_back(frame.graph());
   }
   const auto motion = clip_of(std::move(frames));
-  const auto found = mcmc::estimate_hard_core(std::span(&motion, 1));
+  const auto found = mcmc::estimate_hard_core(motion);
   CHECK(found.alike <= 1);
   CHECK(found.lines == 0);  // there are no valleys
   CHECK(found.mixed == 0);

@@ -34,8 +34,7 @@ mcmc::MotionModel uniting_and_parting() {
 
 mcmc::RateModifiers found_in(const mcmc::MotionModel& model, int frames) {
   const auto motion = mcmc::synthesize(model, frames, 5);
-  const std::vector<std::vector<graph::Event>> events{graph::stroke_events(motion)};
-  return mcmc::estimate_rate_modifiers(std::span(&motion, 1), events, model.rates);
+  return mcmc::estimate_rate_modifiers(motion, graph::stroke_events(motion), model.rates);
 }
 
 }  // namespace
@@ -87,14 +86,14 @@ TEST_CASE("A stroke made of others is as old as the oldest of them", "[circumsta
     return made;
   };
   // Born in frames 2 and 12, one from frame 20 on, dead in frame 25: 23 frames, not 13.
-  const std::vector<std::vector<graph::Event>> events{
-      {event(graph::EventType::birth, 2, {}, {{1}}), event(graph::EventType::birth, 12, {}, {{2}}),
-       event(graph::EventType::merge, 20, {{1}, {2}}, {{3}}), event(graph::EventType::death, 25, {{3}}, {})}};
+  const std::vector<graph::Event> events{
+      event(graph::EventType::birth, 2, {}, {{1}}), event(graph::EventType::birth, 12, {}, {{2}}),
+      event(graph::EventType::merge, 20, {{1}, {2}}, {{3}}), event(graph::EventType::death, 25, {{3}}, {})};
   graph::MotionGraph motion;
   motion.sketch.width = 320, motion.sketch.height = 240;
   motion.sketch.frames.resize(30), motion.links.resize(30);
   auto rates = test::empty_model().rates;
-  const auto found = mcmc::estimate_rate_modifiers(std::span(&motion, 1), events, rates).death;
+  const auto found = mcmc::estimate_rate_modifiers(motion, events, rates).death;
   // One event where none was expected: (1 + 1) / (1 + 0).
   for (std::size_t age = 0; age < found.size(); ++age)
     CHECK(found[age] == (age == mcmc::elapsed_class(23) ? 2 : 1));
