@@ -18,7 +18,7 @@
 #include "core/clip/clip_range.hpp"
 #include "core/io/clip_writer.hpp"
 #include "sketch/inpainting/fill.hpp"
-#include "sketch/inpainting/heat_film.hpp"
+#include "sketch/inpainting/heat_flow.hpp"
 
 namespace emberfold::apps {
 

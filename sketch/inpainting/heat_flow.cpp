@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sketch/inpainting/heat_film.hpp"
+#include "sketch/inpainting/heat_flow.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -104,26 +104,6 @@ cv::Mat HeatFlow::levels() const {
     std::copy_n(now_.data() + (row + 2 * channels) * static_cast<std::size_t>(y + 1) + channels, row,
                 result.ptr<float>(y));
   return result;
-}
-
-std::vector<cv::Mat> make_heat_film(const cv::Mat& levels, const cv::Mat& mask,
-                                    std::span<const std::int64_t> steps, const core::Context& context) {
-  HeatFlow flow(levels, mask);
-  constexpr std::int64_t kBlock = 64;  // steps between two checks of the context
-  std::vector<cv::Mat> film;
-  for (const std::int64_t due : steps) {
-    if (due < flow.steps()) {
-      std::ostringstream message;
-      message << "heat_film: step " << due << " comes after step " << flow.steps()
-              << "; they have to be in order, from 0 on";
-      throw core::InputError(message.str());
-    }
-    for (context.check(); flow.steps() < due; context.check())
-      flow.advance(std::min(kBlock, due - flow.steps()));
-    film.push_back(flow.levels());
-    context.report("diffusing", static_cast<double>(film.size()) / static_cast<double>(steps.size()));
-  }
-  return film;
 }
 
 }  // namespace emberfold::sketch

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sketch/inpainting/heat_film.hpp"
+#include "sketch/inpainting/heat_flow.hpp"
 
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numbers>
-#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -133,24 +131,6 @@ TEST_CASE("Heat decays a cosine at its own rate", "[sketch][heat]") {
   CHECK(cv::norm(flow.levels(), wave * factor, cv::NORM_INF) < 0.01);
 }
 
-TEST_CASE("A film of heat is the flow at its times", "[sketch][heat]") {
-  const cv::Size size(30, 20);
-  const cv::Mat levels = random_levels(size, 1, 8), mask = some_held(size, 0.1, 9);
-  const std::array<std::int64_t, 4> steps{0, 3, 3, 200};
-  const auto film = sketch::make_heat_film(levels, mask, steps);
-  REQUIRE(film.size() == 4);
-  CHECK(cv::norm(film[0], levels, cv::NORM_INF) == 0);
-  for (std::size_t i = 0; i < 4; ++i) {
-    sketch::HeatFlow flow(levels, mask);
-    flow.advance(steps[i]);
-    CHECK(cv::norm(film[i], flow.levels(), cv::NORM_INF) == 0);
-  }
-  std::stop_source stop;
-  stop.request_stop();
-  CHECK_THROWS_AS(sketch::make_heat_film(levels, mask, steps, core::Context(stop.get_token())),
-                  core::Cancelled);
-}
-
 TEST_CASE("Heat on odd frames and on bad input", "[sketch][heat]") {
   for (const cv::Size size : {cv::Size(1, 1), {3, 1}, {1, 20}, {3, 31}}) {
     const cv::Mat levels = random_levels(size, 1, 10);
@@ -166,8 +146,6 @@ TEST_CASE("Heat on odd frames and on bad input", "[sketch][heat]") {
   CHECK_THROWS_AS(sketch::HeatFlow(levels, cv::Mat(2, 2, CV_8U)), core::InputError);
   CHECK_THROWS_AS(sketch::HeatFlow(cv::Mat(), cv::Mat()), core::InputError);
   CHECK_THROWS_AS(sketch::HeatFlow(levels, mask).advance(-1), core::InputError);
-  const std::array<std::int64_t, 2> back{5, 4};
-  CHECK_THROWS_AS(sketch::make_heat_film(levels, mask, back), core::InputError);
   levels.at<float>(0, 0) = std::numeric_limits<float>::infinity();
   CHECK_THROWS_AS(sketch::HeatFlow(levels, mask), core::InputError);
 }

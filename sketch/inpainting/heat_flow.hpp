@@ -2,12 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
-
-#include "core/context.hpp"
 
 namespace emberfold::sketch {
 
@@ -38,10 +35,5 @@ class HeatFlow {
   std::vector<float> rate_;        // step, or 0 where held
   std::vector<float> now_, next_;  // with a border of one pixel
 };
-
-/// Returns the levels after each of `steps`, which must not decrease. Throws core::InputError otherwise, and
-/// core::Cancelled.
-std::vector<cv::Mat> make_heat_film(const cv::Mat& levels, const cv::Mat& mask,
-                                    std::span<const std::int64_t> steps, const core::Context& context = {});
 
 }  // namespace emberfold::sketch
