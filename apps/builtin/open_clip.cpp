@@ -30,7 +30,7 @@ std::unique_ptr<core::FrameSource> open_clip(const std::string& name, const io::
 std::unique_ptr<core::FrameSource> open_held_clip(const std::string& name, const io::ReadOptions& options,
                                                   const core::Warn& warn) {
   auto clip = open_clip(name, options, warn);
-  if (options.mask.empty()) return clip;
+  if (options.mask.empty() && options.stabilize == io::Stabilize::none) return clip;
   return std::make_unique<core::HeldOutside>(std::move(clip));
 }
 

@@ -120,6 +120,8 @@ void add_reading_options(CLI::App& command, ReadingWords& words, io::ReadOptions
   if (with_mask)
     add_word("--mask", options.mask, "FILE",
              "Structure counts where this image or clip of the stored size is not 0");
+  add_word("--stabilize", words.stabilize, "HOW",
+           "Take out the camera's motion: translation or similarity (and turning, zooming)");
   add_number(command, "--scale", options.scale, "FACTOR", "Resize the frames by this factor, above 0 to 16")
       ->group(kReadingGroup);
   command.add_flag("--grey", options.grey, "Read luma only")->group(kReadingGroup);
@@ -222,6 +224,8 @@ io::ReadOptions check_reading(const ReadingWords& words, io::ReadOptions options
   parse_word("--range", words.range,
              [&] { std::tie(options.first, options.last) = io::parse_range(words.range); });
   parse_word("--roi", words.region, [&] { options.region = io::parse_region(words.region); });
+  parse_word("--stabilize", words.stabilize,
+             [&] { options.stabilize = io::parse_stabilize(words.stabilize); });
   if (!words.origin.empty() && words.origin != "source" && words.origin != "part")
     throw Misuse("--origin is " + one_line(words.origin) + "; allowed is source or part");
   options.counts_from_part = words.origin == "part";

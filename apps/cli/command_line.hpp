@@ -70,7 +70,7 @@ void add_sketch_options(CLI::App& command, Settings& settings, sketch::ExtractOp
 
 /// Input options that are texts to parse; empty where not given.
 struct ReadingWords {
-  std::string range, region, fps, pixel_size, levels, channel, slice, origin;
+  std::string range, region, fps, pixel_size, levels, channel, slice, stabilize, origin;
 };
 struct Reading {
   std::string clip;

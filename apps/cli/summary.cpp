@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <numbers>
 #include <numeric>
 
+#include "core/text/format_number.hpp"
 #include "graph/io/units_json.hpp"
 
 namespace emberfold::apps {
@@ -67,10 +69,26 @@ Json reading_json(const io::ReadOptions& read) {
   if (read.pixel_size) out["pixel_um"] = *read.pixel_size;
   if (!read.mask.empty()) out["mask"] = read.mask;
   if (read.counts_from_part) out["origin"] = "part";
+  if (read.stabilize != io::Stabilize::none) out["stabilize"] = io::name(read.stabilize);
   if (read.channel) out["channel"] = *read.channel;
   if (read.slice) out["slice"] = *read.slice;
   if (read.brightest_slice) out["slice"] = "max";
   return out;
+}
+
+void write_drift(io::OutputFolder& output, const core::FrameSource& source) {
+  const auto drift = core::drift_of(source);
+  if (drift.empty()) return;
+  output.write("drift.csv", [&](std::ostream& out) {
+    out << "frame,x,y,scale,degrees\n";
+    for (std::size_t t = 0; t < drift.size(); ++t) {
+      const auto& motion = drift[t];
+      out << t;
+      for (const double value : {motion.x, motion.y, motion.scale, motion.angle * 180 / std::numbers::pi})
+        out << ',' << core::fixed_text(value, 5);
+      out << '\n';
+    }
+  });
 }
 
 Json score_json(const graph::Score& score) {

@@ -9,6 +9,7 @@
 
 #include "apps/cli/command.hpp"
 #include "core/clip.hpp"
+#include "core/clip/masked_source.hpp"
 #include "core/io/staged_output.hpp"
 #include "core/option_field.hpp"
 #include "graph/events/event_score.hpp"
@@ -36,6 +37,9 @@ nlohmann::ordered_json options_json(const Options& options) {
   return out;
 }
 nlohmann::ordered_json reading_json(const io::ReadOptions& read);
+
+/// Writes drift.csv where --stabilize removed motion from the clip, which must have been read to its end.
+void write_drift(io::OutputFolder& output, const core::FrameSource& source);
 
 /// Returns {"four": {class: {"true", "found", "hit", "precision", "recall", "f1"}}, "six": …}
 nlohmann::ordered_json score_json(const graph::Score& score);

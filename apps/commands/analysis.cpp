@@ -26,7 +26,6 @@
 #include "apps/review/review_summary.hpp"
 #include "apps/runs/run_estimate.hpp"
 #include "apps/units/event_units.hpp"
-#include "core/clip/masked_source.hpp"
 #include "core/freed_memory.hpp"
 #include "core/io/mapped_memory.hpp"
 #include "core/io/model_folder.hpp"
@@ -287,6 +286,7 @@ Analysis analyze_clip(const std::string& name, const AnalyzeOptions& options, io
   const auto changes = graph::topology_changes(found.motion);
   write_data(output, found, changes, options.jsonl, units);
   output.write("lives.csv", [&](std::ostream& out) { graph::write_lives(out, lives, units); });
+  write_drift(output, *source);
   made.stages.begin("pictures");
   made.found.joints = {};
   core::return_freed_memory();

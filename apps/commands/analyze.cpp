@@ -96,11 +96,12 @@ void run_analyze(const Analyze& asked, Session& session) {
   }
   require_apart(
       inputs_of(asked), asked.output,
-      {"overlay.mp4",  "reconstruction.avi", "birth_map.png",    "death_map.png",   "matches",
-       "model",        "events.json",        "events.csv",       "events_all.json", "motion.jsonl",
-       "sketch.jsonl", "trajectories.csv",   "strokes.csv",      "curves.csv",      "joints.csv",
-       "network.csv",  "contacts.csv",       "named_events.csv", "lives.csv",       "report.html",
-       "review.html",  "topology.csv",       "tips.csv",         "summary.json",    "trajectories.png"},
+      {"overlay.mp4",     "reconstruction.avi", "birth_map.png",    "death_map.png",   "matches",
+       "model",           "events.json",        "events.csv",       "events_all.json", "motion.jsonl",
+       "sketch.jsonl",    "trajectories.csv",   "strokes.csv",      "curves.csv",      "joints.csv",
+       "network.csv",     "contacts.csv",       "named_events.csv", "lives.csv",       "drift.csv",
+       "report.html",     "review.html",        "topology.csv",     "tips.csv",        "summary.json",
+       "trajectories.png"},
       session.common);
   const auto keys = run_keys(asked.reading.clip, asked.review, options, session.common.seed);
   if (keys && is_done(asked.output, keys->run)) {

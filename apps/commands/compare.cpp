@@ -41,7 +41,7 @@ void run_compare(const Compare& asked, Session& session) {
   require_apart({asked.reading.clip, asked.other, asked.reading.options.mask}, asked.output,
                 {"side_by_side.mp4", "synthesized_motion.avi", "synthesized_dytex.avi",
                  "synthesized_footage.avi", "synthesized_star.avi", "video_loop.avi", "contact_sheet.png",
-                 "measures.json", "report.html", "summary.json"},
+                 "measures.json", "drift.csv", "report.html", "summary.json"},
                 session.common);
   io::OutputFolder output(asked.output, session.common.existing());
   output.protect({asked.reading.clip, asked.other, asked.reading.options.mask});
@@ -58,6 +58,7 @@ void run_compare(const Compare& asked, Session& session) {
     comparison =
         compare_clips(*source, asked.reading.clip, *other, asked.other, asked.options, output, session);
   }
+  write_drift(output, *source);
   stages.end();
   Json summary = begin_summary("compare", session);
   summary["options"] = options_of(asked, read);

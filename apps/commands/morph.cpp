@@ -114,7 +114,8 @@ io::ReadOptions check_morphing(const Morphing& asked, const Session& session) {
   if (!asked.words.range.empty())
     throw Misuse("--range: a morph is between two frames; --at and --to name them");
   io::ReadOptions read = check_reading(asked.words, asked.read, session);
-  if (read.every != 1) throw Misuse("--every is for whole clips; a morph is between two frames");
+  if (read.every != 1 || read.stabilize != io::Stabilize::none)
+    throw Misuse("--every and --stabilize are for whole clips; a morph is between two frames");
   return read;
 }
 

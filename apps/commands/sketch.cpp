@@ -153,7 +153,7 @@ void run_sketch(const Sketch& asked, Session& session) {
   const std::vector<std::string> inputs{asked.reading.clip, asked.evidence, asked.reading.options.mask};
   require_apart(inputs, asked.output,
                 {"overlay.mp4", "reconstruction.avi", "film.mp4", "film.png", "heat.mp4", "sketch.jsonl",
-                 "summary.json"},
+                 "drift.csv", "summary.json"},
                 session.common);
   io::OutputFolder output(asked.output, session.common.existing());
   output.protect(inputs);
@@ -166,6 +166,7 @@ void run_sketch(const Sketch& asked, Session& session) {
   const SketchRun run = write_sketched(asked.reading.clip, request, *source, output, stages, session);
   stages.end();
   Json summary = summarise(asked, request, read, source->info(), run, session);
+  write_drift(output, *source);
   summary["seconds"] = stages.seconds();
   summary["peak_memory_mb"] = peak_memory_mb();
   write_summary(output, summary);

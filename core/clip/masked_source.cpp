@@ -8,6 +8,11 @@ cv::Mat mask_of(const FrameSource& source) {
   return known == nullptr ? cv::Mat() : known->mask();
 }
 
+std::vector<CameraMotion> drift_of(const FrameSource& source) {
+  const auto* known = dynamic_cast<const ClipKnowledge*>(&source);
+  return known == nullptr ? std::vector<CameraMotion>() : known->drift();
+}
+
 cv::Mat HeldOutside::next() {
   cv::Mat frame = source_->next();
   const cv::Mat mask = mask_of(*source_);

@@ -153,4 +153,21 @@ double parse_length(const std::string& text) {
   refuse_text(text, "length with a unit; give for instance 0.065um (nm, um, mm, cm or m)");
 }
 
+Stabilize parse_stabilize(const std::string& text) {
+  for (const Stabilize one : {Stabilize::none, Stabilize::translation, Stabilize::similarity})
+    if (text == name(one)) return one;
+  refuse_text(text, "way to stabilize; give none, translation or similarity");
+}
+
+std::string name(Stabilize stabilize) {
+  switch (stabilize) {
+    case Stabilize::translation:
+      return "translation";
+    case Stabilize::similarity:
+      return "similarity";
+    default:
+      return "none";
+  }
+}
+
 }  // namespace emberfold::io

@@ -29,8 +29,11 @@ struct Region {
   int x = 0, y = 0, width = 0, height = 0;  ///< px; x, y ≥ 0, width, height ≥ 1
 };
 
+/// Selects which motion of the whole picture is removed.
+enum class Stabilize { none, translation, similarity };
+
 /// Options for which part of a clip is read, and how. Applied in the order slice and channel, levels, range,
-/// every, region, grey, scale.
+/// every, stabilize, region, grey, scale.
 struct ReadOptions {
   std::int64_t first = 0;            ///< first frame as stored, from 0
   std::optional<std::int64_t> last;  ///< one past the last frame, > first; none: to the end
@@ -46,6 +49,7 @@ struct ReadOptions {
   int every = 1;  ///< 1…1000000: takes the first frame of the range and every n-th from there
   std::optional<Region> region;
   std::string mask;  ///< image or clip, as large as the clip as stored: structure counts where it is not 0
+  Stabilize stabilize = Stabilize::none;
   bool counts_from_part = false;  ///< positions and times: from `first` and `region`, not from the source
 
   /// Returns the description of the plain numeric field, for checks and help.
@@ -73,5 +77,9 @@ Levels parse_levels(const std::string& text);
 Region parse_region(const std::string& text);
 /// Parses a length with its unit, "0.065um" (nm, um or µm, mm, cm, m); returns µm. Throws core::InputError.
 double parse_length(const std::string& text);
+/// Parses "none", "translation" or "similarity". Throws core::InputError for any other text.
+Stabilize parse_stabilize(const std::string& text);
+/// Returns the text that parse_stabilize reads.
+std::string name(Stabilize stabilize);
 
 }  // namespace emberfold::io

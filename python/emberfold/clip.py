@@ -158,7 +158,7 @@ def open_clip(clip: ClipLike, *, frames: Optional[slice] = None, fps: Optional[f
     unless given 255, and of 16 bits the largest of the bits that the values need, of floats up to 1 it is 1.
 
     reading, of files alone, as the command's options: channel=0, slice=0 or "max", levels="auto", "full" or "LOW:HIGH",
-    grey=True, scale=.5, mask="file" (structure counts where it is not 0).
+    grey=True, scale=.5, mask="file" (structure counts where it is not 0), stabilize="translation" or "similarity".
     """
     if isinstance(clip, Clip):
         return _reopen(clip, frames, {"fps": fps, "pixel_size": pixel_size, "origin": origin, **reading}, roi, white)

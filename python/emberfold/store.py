@@ -23,10 +23,14 @@ def _hash(*parts: Any) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def _mask_content(clip: Clip) -> Any:
-    """The hash of the mask's file, or its name where it is none."""
-    mask = clip._state[4].get("mask") if clip._state[0] == "file" else None
-    return hashlib.sha256(Path(mask).read_bytes()).hexdigest() if mask and Path(mask).is_file() else mask
+def _seen_beside(clip: Clip) -> Tuple[Any, ...]:
+    """What beside its frames tells of a clip: its mask, and how it was stabilised."""
+    if clip._state[0] != "file":
+        return ()
+    options = clip._state[4]
+    mask = options.get("mask")
+    content = hashlib.sha256(Path(mask).read_bytes()).hexdigest() if mask and Path(mask).is_file() else mask
+    return content, options.get("stabilize")
 
 
 def keys_of(clip: Clip, options: _native.AnalyzeOptions) -> Tuple[str, ...]:
@@ -34,7 +38,7 @@ def keys_of(clip: Clip, options: _native.AnalyzeOptions) -> Tuple[str, ...]:
     frames = hashlib.sha256()
     for frame in clip:
         frames.update(np.ascontiguousarray(frame).data)
-    about = clip.shape[1:], str(clip.dtype), clip.fps, clip.white, _mask_content(clip)
+    about = clip.shape[1:], str(clip.dtype), clip.fps, clip.white, _seen_beside(clip)
     key, keys = _hash(_native.__version__, about, frames.hexdigest()), []
     for names in STAGES.values():
         key = _hash(key, [(name, getattr(options, name)) for name in names])

@@ -50,6 +50,8 @@ void set_reading(io::ReadOptions& reading, const std::string& name, const py::ob
     reading.levels = io::parse_levels(from_python<std::string>(value, name));
   } else if (name == "mask") {
     reading.mask = from_python<std::string>(value, name);
+  } else if (name == "stabilize") {
+    reading.stabilize = io::parse_stabilize(from_python<std::string>(value, name));
   } else {
     throw py::value_error("open() has no argument '" + name + "'");
   }

@@ -107,8 +107,9 @@ def test_reading(folder):
     image = pytest.importorskip("PIL.Image")
     image.fromarray(mask).save(folder / "mask.png")
     command("analyze", folder / "clip.avi", "-o", folder / "masked", "--quality", "draft", "--mask", folder / "mask.png", "--grey",
-            "--every", "2", "--pixel-size", "0.5um")
-    clip = ef.open(folder / "clip.avi", frames=slice(None, None, 2), mask=folder / "mask.png", grey=True, pixel_size=0.5)
+            "--every", "2", "--pixel-size", "0.5um", "--stabilize", "translation")
+    clip = ef.open(folder / "clip.avi", frames=slice(None, None, 2), mask=folder / "mask.png", grey=True, pixel_size=0.5,
+                   stabilize="translation")
     run = ef.analyze(clip, quality="draft", out=folder / "mine")
     assert (folder / "masked/motion.jsonl").read_bytes() == run.motion.to_jsonl()
     assert (folder / "masked/strokes.csv").read_bytes() == run.motion.strokes_csv(1 / 15, 0.5)

@@ -15,6 +15,7 @@
 #include "core/io/reading/levels.hpp"
 #include "core/io/reading/mask_clip.hpp"
 #include "core/io/reading/missing_pixels.hpp"
+#include "core/io/reading/stabilizer.hpp"
 #include "core/text/format_number.hpp"
 #include "core/text/size_text.hpp"
 
@@ -36,7 +37,8 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
         info_(decoder_->info()) {
     take_levels();
     take_scales();
-    if (!options_.mask.empty()) masks_.emplace(options_, cv::Size(info_.width, info_.height), warn_);
+    stored_ = {info_.width, info_.height};
+    if (!options_.mask.empty()) masks_.emplace(options_, stored_, warn_);
     take_size();
     start();
     cv::Mat first = decoder_->next();
@@ -73,6 +75,7 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
   }
 
   [[nodiscard]] cv::Mat mask() const override { return mask_; }
+  [[nodiscard]] std::vector<core::CameraMotion> drift() const override { return drift_; }
 
   void rewind() override {
     if (taken_ == 0) return;
@@ -85,6 +88,7 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
  private:
   void start() {
     position_ = 0;
+    looked_at_ = 0;
     if (masks_) masks_->rewind();
     if (!skip_to(options_.first)) refuse_range();
   }
@@ -185,6 +189,7 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
     frame = apply_levels(frame, levels_);
     mask_ = masks_ ? masks_->next() : finite;
     if (masks_ && !finite.empty()) mask_ = cv::Mat(mask_ & finite);
+    if (options_.stabilize != Stabilize::none) frame = stabilized(frame);
     if (const auto& region = options_.region) {
       const cv::Rect part(region->x, region->y, region->width, region->height);
       frame = frame(part).clone();
@@ -204,6 +209,22 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
   static cv::Mat finite_part(cv::Mat& frame) {
     const cv::Mat finite = fill_missing(frame);
     return finite.empty() ? cv::Mat(frame.size(), CV_8U, cv::Scalar(255)) : finite;
+  }
+
+  /// Removes the motion of the picture. Pixels from outside the frame then do not count.
+  cv::Mat stabilized(const cv::Mat& frame) {
+    const auto t = static_cast<std::size_t>(looked_at_++);
+    if (t == drift_.size()) drift_.push_back(stabilizer_.follow(core::luma(frame, info_), mask_));
+    const cv::Mat matrix = warp_matrix(drift_[t], stored_);
+    const cv::Mat counts = mask_.empty() ? cv::Mat(stored_, CV_8U, cv::Scalar(255)) : mask_;
+    cv::Mat placed, seen;
+    cv::warpAffine(frame, placed, matrix, stored_, cv::INTER_CUBIC | cv::WARP_INVERSE_MAP,
+                   cv::BORDER_REPLICATE);
+    cv::warpAffine(counts, seen, matrix, stored_, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);
+    mask_ = seen > 127;
+    // Cubic interpolation overshoots; floats below black may have been there before.
+    if (placed.depth() != CV_32F) cv::min(placed, cv::Scalar::all(info_.white), placed);
+    return placed;
   }
 
   [[nodiscard]] cv::Mat scaled_mask() const {
@@ -235,7 +256,11 @@ class TransformedClip final : public core::FrameSource, public core::ClipKnowled
   std::int64_t position_ = 0;  ///< stored frames read or skipped
   bool warned_ = false;
 
+  cv::Size stored_;
   std::optional<MaskClip> masks_;
+  Stabilizer stabilizer_{options_.stabilize};
+  std::vector<core::CameraMotion> drift_;  ///< of every frame so far: found once, however often it is read
+  std::int64_t looked_at_ = 0;             ///< frames since the first that were transformed
   cv::Mat mask_, pending_mask_;
 };
 

@@ -58,6 +58,35 @@ TEST_CASE("structure counts where the mask is bright, and the summary tells what
   CHECK_FALSE(reading.contains("roi"));
 }
 
+TEST_CASE("drift.csv tells the motion that was taken out, a line a frame") {
+  const TempFolder temp;
+  const auto writer = io::create_video(temp / "clip.avi", {120, 90}, 25, false);
+  cv::Mat world;
+  cv::GaussianBlur(noise_frame({200, 160}, CV_8UC1, 3), world, {}, 2);
+  cv::normalize(world, world, 20, 230, cv::NORM_MINMAX);
+  for (int t = 0; t < 6; ++t) writer->write(world(cv::Rect(20 + 2 * t, 30 - t, 120, 90)));
+  writer->finish();
+  const auto out = temp / "out";
+  REQUIRE(run_command({"sketch", (temp / "clip.avi").string(), "-o", out.string(), "-q", "--stabilize",
+                       "translation"})
+              .exit == 0);
+  std::istringstream lines(bytes_of(out / "drift.csv"));
+  std::string line;
+  REQUIRE(std::getline(lines, line));
+  CHECK(line == "frame,x,y,scale,degrees");
+  for (int t = 0; t < 6; ++t) {
+    REQUIRE(std::getline(lines, line));
+    int frame = 0;
+    double x = 0, y = 0;
+    REQUIRE(std::sscanf(line.c_str(), "%d,%lf,%lf", &frame, &x, &y) == 3);
+    CHECK(frame == t);
+    CHECK(x == Approx(-2 * t).margin(0.1));
+    CHECK(y == Approx(t).margin(0.1));
+  }
+  CHECK_FALSE(std::getline(lines, line));
+  CHECK(summary_of(out)["options"]["reading"]["stabilize"] == "translation");
+}
+
 TEST_CASE("memory that does not suffice is reported with the clip, and leaves nothing", "[slow]") {
   if (kAddressSanitizer) {
     WARN("skipped: the address sanitizer reserves terabytes and cannot run under a limit on memory");

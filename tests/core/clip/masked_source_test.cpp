@@ -27,6 +27,7 @@ class MovingMask final : public core::FrameSource, public core::ClipKnowledge {
       if (x < 8) mask(0, x) = 255;
     return mask;
   }
+  [[nodiscard]] std::vector<core::CameraMotion> drift() const override { return {}; }
   cv::Mat next() override {
     ++t_;
     return source_.next();

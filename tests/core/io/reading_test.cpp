@@ -231,4 +231,6 @@ TEST_CASE("options of reading are parsed, or refused by name") {
   CHECK(io::parse_levels("-5:7.5").high == 7.5);
   for (const char* text : {"", ":", "5:5", "9:2", "1:2:3", "a:b", "max", "nan:5"})
     CHECK_FALSE(message_of<core::InputError>([&] { io::parse_levels(text); }).empty());
+  CHECK(io::parse_stabilize("similarity") == io::Stabilize::similarity);
+  CHECK_FALSE(message_of<core::InputError>([&] { io::parse_stabilize("yes"); }).empty());
 }

@@ -95,6 +95,7 @@ class LeftHalf final : public core::FrameSource, public core::ClipKnowledge {
     mask(cv::Rect(0, 0, kWidth / 2, kHeight)) = 255;
     return mask;
   }
+  [[nodiscard]] std::vector<core::CameraMotion> drift() const override { return {}; }
 
  private:
   core::ClipSource source_;
