@@ -162,7 +162,7 @@ void find_motion(core::FrameSource& source, const graph::SketchSequence& sketch,
   settle_events(analysis, options);
   if (stages != nullptr && stages->on_events) stages->on_events(analysis, source.info());
   core::return_freed_memory();
-  // Of a stroke that is believed pieces may be left, which the model takes as strokes.
+  // A believed stroke may be in pieces, which the model takes as strokes.
   if (!has_model) fitted = mcmc::fit(graph::identify(analysis.motion), {options.seed, true}, context);
   core::return_freed_memory();
 }

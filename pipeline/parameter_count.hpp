@@ -7,7 +7,7 @@
 namespace emberfold::pipeline {
 
 /// Returns how many of a model's numbers are needed to draw from it.
-/// Of strokes: positions, appearance and edges of the first frame and of the exemplars, the maps, the
+/// Counts, of strokes, positions, appearance and edges of the first frame and the exemplars, the maps, the
 /// distributions and the rates; of a texture: mean, C, A and B.
 double parameter_count(const mcmc::MotionModel& model);
 double parameter_count(const dytex::LinearDynamicTexture& texture);

@@ -144,7 +144,7 @@ std::vector<cv::Mat1f> channels_of(const cv::Mat& levels, const ExtractOptions& 
   return channels;
 }
 
-// What of a frame does not depend on the place; of each channel but for the averaged responses.
+// Statistics of a whole frame; by channel, except for the averaged responses.
 struct Statistics {
   std::vector<double> noise;
   NoiseLevels ground;
@@ -195,7 +195,7 @@ void visit_tiles(const std::vector<Tile>& tiles, const cv::Mat& levels, const Vi
                      [&](std::size_t i) { visit(i, levels(tiles[i].read).clone()); });
 }
 
-// Of the whole frame, measured tile by tile.
+// Measures the statistics of a whole frame tile by tile.
 Statistics measure_statistics(const cv::Mat& levels, const std::vector<Tile>& tiles,
                               const ExtractOptions& options) {
   Statistics of = begin_statistics(channels_of(levels, options));
@@ -279,7 +279,7 @@ std::vector<Chain> find_curves(const Searched& frame, const cv::Mat& levels, con
   return chains;
 }
 
-// Whether step edges are outlines that compete with lines.
+// Returns whether step edges are outlines that compete with lines.
 bool uses_outlines(const ExtractOptions& options, const cv::Mat1f* given) {
   return options.edges && options.outlines && !options.boundaries && given == nullptr;
 }
@@ -301,7 +301,7 @@ void keep_sharp_edges(std::vector<Chain>& finest, const ScaleLevel& next) {
 
 constexpr int kScalesOfEdges = 2;  // beyond those of lines: edges blurred by up to 8 px
 
-// Of the lines and the closed step edges of each channel those that explain it. The scale space that they are
+// Selects the lines and closed step edges that explain each channel. The scale space that they are
 // in is added to `space`.
 std::vector<Chain> find_explaining_curves(const Searched& frame, const cv::Mat& levels,
                                           const ExtractOptions& options, ScaleSpace& space) {
@@ -333,7 +333,7 @@ std::vector<Chain> find_explaining_curves(const Searched& frame, const cv::Mat& 
                                   std::max(kNoise * frame.noise[c] * level.gradient_sd,
                                            kStillTraced * visible / step_contrast(level.sigma))));
     }
-    // What is finer than lines comes last: it is for what the usual scales leave, the pixels of a mask for
+    // Edges finer than lines come last: they are for what the usual scales leave, the pixels of a mask for
     // instance.
     keep_sharp_edges(edges[0], of_channel[1]);
     std::rotate(edges.begin(), edges.begin() + 1, edges.end());

@@ -18,7 +18,7 @@ constexpr std::size_t kReviewStrips = 400, kReviewBytes = 5'000'000;
 
 /// Chooses the events to review, as indices in the order of the questions: the nearest to probability ½
 /// first.
-/// Of more than kReviewStrips, three quarters are the most doubtful, the rest an even choice of the others,
+/// Where there are more than kReviewStrips, three quarters are the most doubtful, the rest evenly chosen,
 /// so that events held to be certain are checked, too.
 std::vector<std::size_t> choose_for_review(std::span<const graph::Event> events);
 

@@ -34,9 +34,6 @@ Eigen::MatrixXd triangular_factor(const Eigen::MatrixXd& matrix);
 /// rows · ε times the largest, and so those that rounding made negative, are left out.
 Eigen::MatrixXd symmetric_factor(const Eigen::MatrixXd& matrix);
 
-/// Returns the orthogonal matrix nearest to a square one: U Vᵀ of its singular value decomposition.
-Eigen::MatrixXd nearest_orthogonal(const Eigen::MatrixXd& matrix);
-
 /// Returns the smallest X with the least ‖M X − Y‖ (complete orthogonal decomposition).
 Eigen::MatrixXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
 

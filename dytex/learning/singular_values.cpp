@@ -27,11 +27,6 @@ Eigen::MatrixXd left_factor(const Eigen::MatrixXd& matrix) {
   return svd.matrixU().leftCols(kept) * s.head(kept).asDiagonal();
 }
 
-Eigen::MatrixXd nearest_orthogonal(const Eigen::MatrixXd& matrix) {
-  const ThinSvd svd = thin_svd(matrix);
-  return svd.U * svd.V.transpose();
-}
-
 ThinSvd thin_svd(const Eigen::MatrixXd& matrix) {
   if (matrix.size() == 0) return {Eigen::MatrixXd(matrix.rows(), 0), Eigen::MatrixXd(matrix.cols(), 0), {}};
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);

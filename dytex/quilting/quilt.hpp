@@ -13,7 +13,7 @@
 
 namespace emberfold::dytex {
 
-/// How blocks are joined: along paths that are the same in every frame, or surfaces in x, y and t.
+/// Kind of cut between blocks: paths that are the same in every frame, or surfaces in x, y and t.
 enum class Seams { still, moving };
 
 struct QuiltOptions {

@@ -28,7 +28,7 @@ JointWays ways_from(const FrameArcs& frame, const JointSite& site, double reach)
 /// Where the arcs of a frame are cut: by arc, ascending, the indices of the vertices before the cuts.
 using ArcCuts = std::vector<std::vector<std::uint32_t>>;
 
-/// How a property of patches varies along curves and from one to another, robust standard deviations.
+/// Robust standard deviations of a property of patches, along curves and between curves.
 struct Spread {
   double step = 0;     ///< of neighbouring patches
   double along = 0;    ///< of the means of 25 px before and behind a place on a curve, beyond that of steps
@@ -42,7 +42,7 @@ struct JointScales {
 /// Measures the spreads in the frames of a clip.
 JointScales measure_scales(std::span<const FrameArcs> frames);
 
-/// How the two sides of a joint differ.
+/// Differences between the two sides of a joint.
 struct JointLook {
   double stronger = 0, wider = 0;  ///< side a less side b, of the logarithms of contrast and width
   double patches = 0;              ///< 1 / n of either side, summed
@@ -52,7 +52,7 @@ struct JointLook {
 /// Measures the sides of a joint; nothing beyond the cuts counts.
 JointLook look_at_joint(const FrameArcs& frame, const JointSite& site, const ArcCuts& cuts);
 
-/// How much likelier a look is if the sides are one curve than if they are two, nats.
+/// Log likelihood ratio, nats, of one curve through a joint to two curves that end there.
 struct JointEvidence {
   double properties = 0;  ///< from contrast and width
   double turn = 0;

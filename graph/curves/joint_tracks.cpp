@@ -29,7 +29,7 @@ constexpr double kMostTurns = 2;      // frames that a turn of an arc counts for
 constexpr double kDependence = 0.3;   // correlation of the evidence of frames
 constexpr std::array<std::size_t, 6> kFollowed = {2, 1, 3, 0, 4, 5};  // patches of a way, by preference
 
-/// What becomes of a joint in a neighbouring frame.
+/// A joint followed into a neighbouring frame.
 struct Followed {
   enum class Kind { lost, apart, joined } kind = Kind::lost;
   JointSite site;       ///< joined: a place between its sides

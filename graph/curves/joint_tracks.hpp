@@ -8,7 +8,7 @@
 
 namespace emberfold::graph::detail {
 
-/// How a joint looks in many frames.
+/// Measurements of a joint in many frames.
 struct JointRecord {
   std::vector<double> stronger, wider, patches, turn;
   double inside = 0,

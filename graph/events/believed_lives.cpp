@@ -93,7 +93,7 @@ Believed believed_events(std::span<const Event> events, double least, std::size_
 std::map<SubgraphId, Life> believed_lives(const MotionGraph& motion, const Believed& believed,
                                           std::span<const int> cuts) {
   const std::size_t frames = motion.sketch.frames.size();
-  // Whether what changes between this frame and the one before it begins or ends with the picture.
+  // Strokes begin and end at such a frame because the picture does.
   const auto is_cut = [&](std::size_t frame) {
     return frame == 0 || frame == frames ||
            std::ranges::any_of(cuts, [&](int cut) { return std::abs(static_cast<int>(frame) - cut) <= 1; });

@@ -9,7 +9,7 @@
 
 namespace emberfold::graph::detail {
 
-/// What a stroke is over time, and what is believed of its ends.
+/// Extent of a stroke in time, and which of its ends are believed.
 struct Life {
   std::size_t first = 0, last = 0;  ///< frames
   std::size_t frames = 0, patches = 0;

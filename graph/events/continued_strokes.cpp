@@ -178,7 +178,7 @@ void close(const MotionGraph& motion, const Gap& gap, Additions& additions) {
   way = way * (1 / static_cast<double>(gap.counterparts.size()));
   const auto length = static_cast<double>(gap.to - gap.from);
   const std::size_t middle = (gap.from + gap.to) / 2;
-  // What leads elsewhere from the end, or from elsewhere to the beginning, is not believed.
+  // Links from the end to other strokes, or from other strokes to the beginning, are not believed.
   additions.unlink(gap.from + 1, gap.last, {});
   additions.unlink(gap.to, {}, gap.first);
   std::vector<std::uint32_t> last = gap.last, first = gap.first;

@@ -68,7 +68,7 @@ auto key_of(const Event& event) {
   return std::tuple(event.frame, event.type, event.position.x, event.position.y);
 }
 
-/// What two curves have to do with each other in one frame.
+/// Contact of two curves in one frame.
 struct Meeting {
   Point position;
   bool crosses = false;

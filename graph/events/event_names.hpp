@@ -9,7 +9,7 @@
 
 namespace emberfold::graph {
 
-/// How two parts meet or part: where a part ends there (a tip) or goes on to both sides (its side).
+/// Kind of contact of two parts that meet or separate: each by its end (tip) or by its side.
 enum class Contact : std::uint8_t { none, tip_tip, tip_side, side_side };
 /// Returns the name of a contact as files write it; "" of none.
 std::string_view name(Contact contact);

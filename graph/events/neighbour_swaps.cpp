@@ -71,7 +71,7 @@ struct Track {
   Point place;
   std::array<double, kArms> angle{};
   int last = 0;  ///< frame
-  /// What is seen now and what was seen before: which neighbouring arms meet (0: the first two; 1: the second
+  /// Present and previous state: which neighbouring arms meet (0: the first two; 1: the second
   /// two), in how many frames, and the longest edge.
   struct Run {
     int pairing = -1, sights = 0, first = 0, last = 0;

@@ -10,7 +10,7 @@
 
 namespace emberfold::graph {
 
-/// What a person said of an event.
+/// Answer of a person about an event.
 enum class Answer : std::uint8_t {
   none,   ///< nothing yet
   yes,    ///< it happened

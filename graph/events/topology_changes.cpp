@@ -20,7 +20,7 @@ struct Counts {
   int tips = 0, branches = 0, components = 0, loops = 0;
 };
 
-/// What happens in linked strokes between two frames.
+/// Counts and changes of linked strokes between two frames.
 struct ClusterBook {
   Counts before, after;
   std::vector<TopologyChange> changes;

@@ -10,7 +10,7 @@
 
 namespace emberfold::graph {
 
-/// What changes in a network: the six classes of events, and what leaves its strokes as they are.
+/// Change of a network: one of the six classes of events, or one that leaves its strokes unchanged.
 enum class Change : std::uint8_t {
   birth,
   death,

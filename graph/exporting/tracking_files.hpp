@@ -11,7 +11,7 @@
 // Strokes and curves in the formats of other programs.
 namespace emberfold::graph {
 
-/// What is written with a tree.
+/// Data of the clip that is written with a tree.
 struct TrackedClip {
   std::string name;
   int width = 0, height = 0, frames = 0;

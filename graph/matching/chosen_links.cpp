@@ -28,7 +28,7 @@ class Clusters {
   boost::disjoint_sets<std::size_t*, std::size_t*> sets_;
 };
 
-/// What a set of links makes of a group of components.
+/// Number of clusters, and quality, of a set of links in a group of components.
 struct Explanation {
   std::size_t clusters = 0;  ///< of tied components: of n components n − 2 · clusters change
   std::size_t links = 0;

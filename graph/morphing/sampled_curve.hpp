@@ -9,7 +9,7 @@
 
 namespace emberfold::graph::detail {
 
-/// What a curve mostly shows. Only curves of one kind move into each other.
+/// Kind of most patches of a curve. Only curves of one kind move into each other.
 enum class CurveKind : std::uint8_t { bright, dark, step };
 
 /// A curve as patches in the order in which it is walked.

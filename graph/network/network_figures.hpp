@@ -8,7 +8,7 @@
 
 namespace emberfold::graph {
 
-/// What the graph of one frame is as a network. Anchors do not count.
+/// Counts and lengths of the network of one frame. Anchors do not count.
 struct NetworkFigures {
   double length = 0;                                                   ///< px, of all edges
   std::uint32_t components = 0;                                        ///< strokes
@@ -24,7 +24,7 @@ struct NetworkFigures {
 /// Measures a graph. By Euler tips + 2 · points − branches = 2 · (components − loops). O(n log n).
 NetworkFigures network_figures(const AttributeGraph& graph);
 
-/// How many events led to a frame.
+/// Numbers of events that led to a frame.
 struct NetworkChanges {
   std::uint32_t births = 0, deaths = 0, unions = 0, separations = 0;
 };

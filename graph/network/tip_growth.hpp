@@ -11,7 +11,7 @@
 
 namespace emberfold::graph {
 
-/// What a tip does for some time.
+/// Motion of a tip over some frames.
 enum class TipPhase : std::uint8_t { pause, growth, retraction };
 /// Returns the name of a phase as files write it.
 std::string_view name(TipPhase phase);

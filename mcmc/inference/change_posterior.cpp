@@ -30,7 +30,7 @@ constexpr std::size_t kTolerance = 2;    // frames
 constexpr double kIntercept = -3.64;
 constexpr double kStrokeFactor = 0.48, kJointFactor = 0.26;  // of a nat
 constexpr double kShortSide = 1.37;  // of a logarithm of frames without opposite change
-// What cannot be seen is not believed (docs/method/events.md).
+// Changes of faint strokes are less likely to be seen (docs/method/events.md).
 constexpr double kFaint = 4, kPlainContrast = 16;  // of a logarithm of grey levels, below so many
 }  // namespace tuning
 

@@ -32,7 +32,7 @@ struct TransitionLikelihood {
 /// - Splits, disconnects, merges and connects: independent Poisson numbers at the sites where they can
 ///   happen, and 0.001 a frame elsewhere.
 /// - Births: a Poisson process in the plane with the model's map, and the share of the stroke's size.
-/// How new patches lie and look, and the growth of ends, have no density under the model and are left out.
+/// Place and look of new patches, and the growth of ends, have no density under the model and are left out.
 /// `motion`: with its strokes identified. Element t − 1 is the gap before frame t. Throws core::InputError
 /// for an invalid model, and for a clip of another size or of fewer than two frames; core::Cancelled.
 /// O(samples + sites).

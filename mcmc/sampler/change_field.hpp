@@ -23,7 +23,7 @@ struct Change {
   int frame = 0;  ///< the first one after it
   graph::Point place;
   double log_odds = 0;  ///< of the images, where the usual share of such changes is true
-  /// Whether the share of true ones about it counts; else the log odds are taken as they are.
+  /// The share of true changes near it counts; if false, the log odds are taken unchanged.
   bool has_rate = true;
   std::vector<std::uint32_t> before, after;  ///< strands that end and begin with it
 };

@@ -12,7 +12,7 @@ namespace {
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-/// What begins and ends strands, in one direction of time.
+/// Members of changes and gaps that begin and end strands, in one direction of time.
 struct Direction {
   std::vector<std::uint32_t> Change::*from, Change::*to;
   std::uint32_t Gap::*leaves, Gap::*enters;

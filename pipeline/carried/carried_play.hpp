@@ -26,7 +26,7 @@ struct CarriedMoment {
 };
 
 /// Returns the first edit that cannot be made by transferring pixels of strokes; empty where there is none.
-/// Of MotionEdit speed, reverse, strokes, birth_map, wind and rates are possible, but no fewer deaths, splits
+/// Accepts speed, reverse, strokes, birth_map, wind and rates of a MotionEdit, but no fewer deaths, splits
 /// or disconnects and no more merges or connects.
 std::string edit_not_carried(const mcmc::MotionEdit& edit);
 

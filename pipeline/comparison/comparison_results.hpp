@@ -9,7 +9,7 @@
 
 #include "mcmc/learning/clip_statistics.hpp"
 
-// What a comparison measures of clips, and of models.
+// Results of a comparison, by clip and by model.
 namespace emberfold::pipeline {
 
 /// Holds the lengths of the measured curves; they must agree in clips that are compared.

@@ -25,7 +25,7 @@ constexpr double kSharpEdges = 1.2;  // nats a pixel, of a family's outline
 constexpr int kAlongside = 3;        // px from a figure's outline to a line's region, or a light figure's
 constexpr double kLeastAlong = 0.3;  // of a family's outline
 
-/// What all regions that links join have together.
+/// Sums over all regions that links join.
 struct Family {
   double thickness = 0, length = 0, area = 0, wide = 0;
   double rim = 0;                   ///< pixels of outline

@@ -117,7 +117,7 @@ cv::Mat2f levels_of(const EdgeSums& edges) {
   return levels;
 }
 
-/// What is kept of a frame until all have been read.
+/// Measurements of a frame, kept until all frames have been read.
 struct FirstLook {
   cv::Mat1f luma;                 // small
   std::array<EdgeSums, 2> edges;  // by polarity

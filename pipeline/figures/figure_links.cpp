@@ -24,7 +24,7 @@ constexpr double kGround = -1e6;       // nats that ground gains: it is never a 
 
 using Link = std::pair<std::size_t, std::size_t>;  // a region, one of the next frame
 
-/// What of two regions overlaps.
+/// Overlap of two regions.
 struct Overlap {
   double pixels = 0;
   bool holds_disc = false;  ///< one of kWideDisc

@@ -121,7 +121,7 @@ FrameRegions find_regions(const cv::Mat1b& label, std::size_t frame, const cv::M
   return found;
 }
 
-/// What is found in a frame.
+/// Labels and regions of a frame.
 struct FrameLabels {
   cv::Mat1b labels;
   std::array<FrameRegions, kFigurePolarities.size()> of;

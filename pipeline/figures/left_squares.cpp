@@ -34,7 +34,7 @@ LeftSquares left_squares(const cv::Mat1f& level, const std::array<cv::Mat1f, 2>&
   cv::solve(normal, of_levels, slope, cv::DECOMP_SVD);
   LeftSquares left{std::max(0., square - slope.dot(of_levels)), {}};
   for (std::size_t k = 0; k < labels.size(); ++k) {
-    // What the plane leaves of the label, and of its product with the levels.
+    // Residuals of the label, and of its product with the levels, after the plane.
     cv::solve(normal, of_labels[k].sum, shape, cv::DECOMP_SVD);
     const double of_step = of_labels[k].square - shape.dot(of_labels[k].sum),
                  both = of_labels[k].with_level - shape.dot(of_levels);

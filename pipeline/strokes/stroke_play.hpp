@@ -36,7 +36,7 @@ struct StrokeMoment {
 };
 
 /// Returns the first edit that strokes which live again cannot show; empty where there is none.
-/// Of MotionEdit speed, reverse, wind, birth_map, births and more deaths are possible.
+/// Accepts speed, reverse, wind, birth_map, births and more deaths of a MotionEdit.
 std::string edit_not_repeated(const mcmc::MotionEdit& edit);
 
 /// Draws at which moments the strokes of a clip live again, and where.
@@ -88,7 +88,7 @@ class StrokePlay {
   std::vector<Living> lasting_, living_, born_;
   std::vector<graph::Vertex> vertices_;  // of the moment
   std::vector<graph::Edge> edges_;
-  // Of the patches of living_, a moment ago: their places, whose they are, and which are near a place.
+  // Patches of living_ in the frame before: their places, their strokes, and an index by place.
   std::vector<graph::Point> places_;
   std::vector<std::size_t> owners_;
   std::optional<graph::detail::PointGrid> there_;

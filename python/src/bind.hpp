@@ -3,7 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-// What each room gives to Python; called once, in this order.
+// Binds each room to Python; called once, in this order.
 namespace emberfold::python {
 
 void bind_core(pybind11::module_& module);

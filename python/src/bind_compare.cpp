@@ -40,7 +40,7 @@ py::dict distances(const ClipDistances& found) {
   return all;
 }
 
-/// What a person sees of a drawn clip, by the key of the figure; None of what is no drawn clip.
+/// Returns the visible figures of a drawn clip, by key; None where no clip was drawn.
 py::object visible(const ClipDistances& found) {
   if (!found.visible) return py::none();
   const auto& v = *found.visible;

@@ -28,7 +28,7 @@ namespace {
 using MaybeNumber = std::optional<double>;
 using Times = std::vector<double>;
 
-/// What a writer writes that touches no Python.
+/// Returns the bytes of a writer that does not use Python.
 py::bytes written(const std::function<void(std::ostream&)>& write) {
   std::ostringstream out;
   {

@@ -37,7 +37,7 @@ void bind_options(py::module_& module) {
       .finish();
 }
 
-/// What a review told of the clip: answers that were taken, and counts and rates by class, "all" last.
+/// Returns the results of a review: the answers used, and counts and rates by class, "all" last.
 py::object reviewed_dict(const std::optional<pipeline::ReviewedClip>& found) {
   if (!found) return py::none();
   const auto row = [](const core::Interval& i) { return py::make_tuple(i.mean, i.low, i.high); };

@@ -81,7 +81,7 @@ py::array render_quilt(const py::array_t<std::int32_t, py::array::c_style>& map,
   return render(map_of(map, source.size()), source, progress);
 }
 
-/// How much a map copies, and how visible its seams are.
+/// Measures how much a map copies, and how visible its seams are.
 py::dict measure_quilt(const py::array_t<std::int32_t, py::array::c_style>& map, const ClipData& clip,
                        const py::object& progress) {
   const auto source = read(clip, progress);

@@ -26,7 +26,7 @@
 #include "python/src/clip_data.hpp"
 #include "python/src/options.hpp"
 
-// What there is of linear dynamic textures beside learning, editing and drawing them.
+// Binds linear dynamic textures, except for learning, editing and drawing them.
 namespace emberfold::python {
 
 namespace {

@@ -15,7 +15,7 @@ namespace emberfold::python {
 
 namespace {
 
-/// What a working thread has to tell the one that waits.
+/// Messages of a working thread to the thread that waits.
 class Letterbox {
  public:
   struct Letters {
@@ -31,7 +31,7 @@ class Letterbox {
   void report(std::string_view stage, double fraction) {
     const std::lock_guard lock(mutex_);
     auto& progress = letters_.progress;
-    // Of one stage only the newest share is of interest.
+    // Only the newest share of a stage is of interest.
     if (progress.empty() || progress.back().first != stage) progress.emplace_back(stage, fraction);
     progress.back().second = fraction;
   }

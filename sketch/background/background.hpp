@@ -3,7 +3,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-// What lies between the strokes of a clip.
+// The picture between the strokes of a clip.
 namespace emberfold::sketch {
 
 /// Holds the darkest and the brightest level around each cell, channel by channel. A cell counts the square

@@ -156,7 +156,7 @@ class Selection {
     return any;
   }
 
-  // Whether others explain the image all along a curve.
+  // Returns whether others explain the image all along a curve.
   [[nodiscard]] bool nearly_all_explained(const Candidate& c) const {
     constexpr double kNearly = 0.9;
     std::size_t count = 0;

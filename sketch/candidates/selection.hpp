@@ -18,7 +18,7 @@ struct SelectionOptions {
 };
 
 /// Chooses the curves that shorten the code of the image most.
-/// What no curve explains is coded as an even ramp with Gaussian residuals, a curve as a blurred step or bar
+/// Pixels without a curve are coded as an even ramp with Gaussian residuals, a curve as a blurred step or bar
 /// whose levels change from section to section; n pixels cost ½ n ln(residual² + noise²) nats (Rissanen 1978;
 /// Guo, Zhu & Wu 2007). `lines` come first, then the step edges of each scale, fine to coarse, where what was
 /// chosen before leaves something to explain; last, what others explain as well is dropped again, so that a

@@ -128,7 +128,7 @@ class Tracer {
   std::vector<Crossing> crossings_;
 };
 
-// Whether the ends of a curve are neighbours: where an edge touches another, a side is met thrice, and a ring
+// Returns whether a curve's ends are neighbours: where edges touch, a side is met three times, and a ring
 // may be left open there.
 bool ends_touch(const std::vector<const Crossing*>& curve) {
   constexpr double kTouching = 1.5;         // px

@@ -226,7 +226,7 @@ std::vector<CreasePoint> points_from(const Chain& chain, bool back, std::size_t 
   return {chain.points.begin(), chain.points.begin() + count};
 }
 
-// How many points lie in a gap on the way from one end to another, of the one and of the other curve; nothing
+// Returns the numbers of points of either curve in a gap on the way from one end to another; nothing
 // where there is no gap.
 std::optional<std::array<std::size_t, 2>> points_in_gap(const std::vector<Chain>& chains,
                                                         const CurveEnd& from, const CurveEnd& to,

@@ -51,7 +51,7 @@ CreaseMap find_crests(const cv::Mat1f& probability, const ScaleSpace& marks, dou
   return crests;
 }
 
-/// What a curve is in the frame, if it is of one kind at one level throughout.
+/// Kind and level of a curve in the frame, if it has one of each throughout.
 struct Reading {
   CreaseKind kind = CreaseKind::ridge;
   std::size_t level = 0;

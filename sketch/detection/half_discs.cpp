@@ -39,7 +39,7 @@ std::vector<Run> half_disc(int radius, int way) {
   return runs;
 }
 
-// Of a bin with a margin of `radius` px, mirrored: the sums of all to the left of each pixel in its row.
+// Returns, for a bin with a mirrored margin of `radius` px, the sums of all pixels to the left in each row.
 cv::Mat1i sums_of_rows(const cv::Mat1b& bin, int radius) {
   cv::Mat1b wide;
   cv::copyMakeBorder(bin, wide, radius, radius, radius, radius, cv::BORDER_REFLECT);

@@ -105,7 +105,7 @@ ScaleSpace HalfResolution::halved(const ScaleSpace& space) const {
     to.sigma *= 0.5, to.gradient_sd *= 2, to.hessian_sd *= 4;
     to.frame.release(), to.smooth.release();
     if (level.channel != 0) continue;
-    // What differences of larger pixels average is not smoothed before.
+    // Differences of larger pixels average already: no smoothing before them.
     constexpr double kDifferences = 1;  // px², about: found with curves that people drew
     const bool finest = level.octave == 0;
     to.smooth =

@@ -178,7 +178,7 @@ class Strip {
                             a_[y], b_[y]);
   }
 
-  // Of row y of the strip.
+  // Raises row y of the strip.
   void raise(int way, int y, const Greatest& g) {
     average(a_, y, way, along_a_);
     average(b_, y, way + kTurned, along_b_);

@@ -77,7 +77,7 @@ double response_of_both_sides(const OrientedLevel& of, std::size_t way, Point pl
   return response - kOfDifference * kOfSide / (sigma * sigma) * difference;
 }
 
-// What a point's response must reach.
+// Least responses of a point.
 struct PointLimits {
   double ground, response;  // SD of the usual, and how many of it
 };
@@ -86,7 +86,7 @@ struct PointLimits {
 // one.
 constexpr double kMostCounted = 12;
 
-// How far along the normal of pixel (x, y) the response is greatest, if that is within the pixel.
+// Returns where along the normal of pixel (x, y) the response is greatest, if that is within the pixel.
 std::optional<double> find_greatest(const cv::Mat1f& response, int x, int y, Point n) {
   constexpr float kNearly = 0.9F;  // the greatest may lie between pixels
   const int dx = core::fast_round(n.x), dy = core::fast_round(n.y);

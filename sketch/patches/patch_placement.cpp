@@ -197,7 +197,7 @@ class Cutter {
                      options);
   }
 
-  // Of the points that are nearer to this patch than to others.
+  // Sums the evidence of the points nearest to this patch.
   [[nodiscard]] double evidence_near(const Station& station) const {
     const Ruler& ruler = rulers_[station.chain];
     double nats = 0;

@@ -104,7 +104,7 @@ double inner_row_mean(const cv::Mat& levels, const Raster& raster, int row,
          static_cast<double>(kSamples.size());
 }
 
-/// Whether all samples, up to `rows` rows to each side, have pixels around them, and one more to the right.
+/// Returns whether all samples, up to `rows` rows to each side, have pixels around them and one to the right.
 bool is_inner(const cv::Mat& levels, const Raster& raster, int rows) {
   for (const int row : {-rows, rows})
     for (const double s : {kSamples.front(), kSamples.back()}) {

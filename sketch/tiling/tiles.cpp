@@ -55,7 +55,7 @@ Point turned_to(Point from, Point to) {
   return way * (1 / length);
 }
 
-// How badly two stubs fit, less than 0 if they are not of one edge.
+// Returns the misfit of two stubs; below 0 if they are not of one edge.
 double misfit(const Stub& a, const Stub& b, double spacing) {
   if (dot(a.away, b.away) > -std::cos(kMostApart)) return -1;
   const Point off = b.at - a.at;
