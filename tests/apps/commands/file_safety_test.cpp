@@ -98,7 +98,6 @@ TEST_CASE("no command writes onto models, masks and maps that it reads") {
                "--filled", made.mask},
               made.mask, made.mask);
   made.refuse({"quilt", made.clip, "--control", "depth:" + made.mask, "-o", made.mask}, made.mask, made.mask);
-  made.refuse({"dytex", "page", made.model, "--mask", made.mask, "-o", made.mask}, made.mask, made.mask);
   made.refuse({"dytex", "compose", made.clip, "--layer", made.model + ":" + made.mask, "-o", made.mask},
               made.mask, made.mask);
 }
