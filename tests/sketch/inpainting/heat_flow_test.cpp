@@ -112,8 +112,7 @@ TEST_CASE("Heat keeps planes and held pixels and, with nothing held, the mean", 
   const cv::Mat after = held.levels();
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
-      if (mask.at<uchar>(y, x) != 0)
-        CHECK(after.at<float>(y, x) == levels.at<float>(y, x));
+      if (mask.at<uchar>(y, x) != 0) CHECK(after.at<float>(y, x) == levels.at<float>(y, x));
   CHECK_THAT(cv::mean(free.levels())[0], WithinAbs(cv::mean(levels)[0], 0.01));
 }
 
