@@ -95,7 +95,7 @@ void check_request(const QuiltRequest& request) {
     refuse("quilt.memory", std::to_string(request.memory), "0 to 1000000 MB");
   check_surface_request(request);
   if (!request.apply.empty() && (request.own_size || !request.guide.empty() || !request.masks.empty()))
-    throw Misuse("--apply takes the map as it is: --size, --guide and --mask have nothing to do there");
+    throw Misuse("--apply uses the map unchanged: --size, --guide and --mask do not apply to it");
   const std::string extension = std::filesystem::path(request.output).extension().string();
   if (!extension.empty() && extension != ".mp4" && extension != ".avi" && extension != ".png")
     throw Misuse("-o is " + request.output +

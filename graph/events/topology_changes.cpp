@@ -54,7 +54,7 @@ Contact contact_taking(int tips) {
   return kContacts.at(static_cast<std::size_t>(tips));
 }
 
-TopologyChange change_of(const Event& event, Contact contact) {
+TopologyChange change_of(const Event& event, Contact contact, bool at_border) {
   TopologyChange change;
   change.frame = event.frame;
   change.change = static_cast<Change>(event.type);
@@ -64,6 +64,7 @@ TopologyChange change_of(const Event& event, Contact contact) {
   if (event.type == birth || event.type == death) {
     change.components = event.type == birth ? 1 : -1;
     change.tips = 2 * change.components;
+    if (at_border) change.change = event.type == birth ? Change::enters : Change::leaves;
     return change;
   }
   change.components = event.type == split || event.type == disconnect ? 1 : -1;
@@ -177,7 +178,7 @@ struct NamedEvent {
 };
 
 /// Returns whether the stroke that an event begins came in through the border, or the one it ends went out.
-bool passes_border(const std::map<SubgraphId, detail::Life>& lives, const Event& event) {
+bool is_at_border(const std::map<SubgraphId, detail::Life>& lives, const Event& event) {
   const auto frame = static_cast<std::size_t>(event.frame);
   if (event.type == EventType::birth) {
     const detail::Life& life = lives.at(event.after.front());
@@ -199,9 +200,8 @@ void add_frame_changes(const MotionGraph& motion, std::size_t t, std::span<const
   for (const auto& [traced, contact, at_border] : events) {
     const bool in_after = traced.path_frame == static_cast<int>(t);
     const std::size_t vertex = (in_after ? after : before).index_of(traced.path.front());
-    TopologyChange change = change_of(traced.event, contact);
-    if (at_border) change.change = change.change == Change::birth ? Change::enters : Change::leaves;
-    books[(in_after ? clusters.of_after : clusters.of_before)[vertex]].changes.push_back(change);
+    books[(in_after ? clusters.of_after : clusters.of_before)[vertex]].changes.push_back(
+        change_of(traced.event, contact, at_border));
   }
   find_loose_tips(before, after, motion.links[t], clusters, books);
   const BookCloser closer(before, after, clusters);
@@ -231,7 +231,7 @@ std::vector<TopologyChange> topology_changes(const MotionGraph& motion) {
   std::vector<std::vector<NamedEvent>> by_frame(frames);
   for (std::size_t k = 0; k < traced.size(); ++k)
     by_frame[static_cast<std::size_t>(traced[k].event.frame)].push_back(
-        {std::move(traced[k]), contacts[k], passes_border(lives, events[k])});
+        {std::move(traced[k]), contacts[k], is_at_border(lives, events[k])});
   auto changes = find_neighbour_swaps(motion);
   for (std::size_t t = 1; t < by_frame.size(); ++t) add_frame_changes(motion, t, by_frame[t], changes);
   std::ranges::stable_sort(changes, {}, [](const TopologyChange& c) {

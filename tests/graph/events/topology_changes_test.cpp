@@ -104,7 +104,7 @@ TEST_CASE("In every frame of any motion graph the figures change as the events s
   CHECK((rings > 50 && branches > 50));
 }
 
-TEST_CASE("A stroke that moves through the border enters or leaves; one that ends beside it dies",
+TEST_CASE("A stroke that moves through the border enters or leaves; one that ends next to it dies",
           "[graph][events]") {
   // a line parallel to the left border, which it moves towards by `step` px a frame, away from it backwards
   const auto changes_of = [](double step, bool backwards) {
