@@ -21,20 +21,21 @@ struct PairCosts {
 
 // Adds a pair to a cut whose second side takes the block; −1 for a pixel that is not a node and keeps its
 // block.
-void add_pair(MinCut& cut, std::int32_t s, std::int32_t t, const PairCosts& cost) {
+void add_pair(core::MinimumCut& cut, std::int32_t s, std::int32_t t, const PairCosts& cost) {
+  const auto i = static_cast<std::size_t>(s), j = static_cast<std::size_t>(t);
   if (t < 0) {
-    cut.add_costs(s, cost.old_old, cost.new_old);
+    cut.add_costs(i, cost.old_old, cost.new_old);
   } else if (s < 0) {
-    cut.add_costs(t, cost.old_old, cost.old_new);
+    cut.add_costs(j, cost.old_old, cost.old_new);
   } else if (cost.old_new >= cost.old_old) {
-    cut.add_costs(s, cost.old_old, 0);
-    cut.add_edge(s, t, cost.old_new - cost.old_old, cost.new_old);
+    cut.add_costs(i, cost.old_old, 0);
+    cut.add_edge(i, j, cost.old_new - cost.old_old, cost.new_old);
   } else {
     // A cut cannot express an existing seam that costs more than both new ones: the new ones are then made
     // dearer.
-    cut.add_costs(s, cost.old_new, 0);
-    cut.add_costs(t, cost.old_old - cost.old_new, 0);
-    cut.add_edge(s, t, 0, std::max(0, cost.new_old + cost.old_new - cost.old_old));
+    cut.add_costs(i, cost.old_new, 0);
+    cut.add_costs(j, cost.old_old - cost.old_new, 0);
+    cut.add_edge(i, j, 0, std::max(0, cost.new_old + cost.old_new - cost.old_old));
   }
 }
 
@@ -135,7 +136,7 @@ std::int32_t SeamExpansion::cost(const CourseValue* a, const CourseValue* b, std
   return static_cast<std::int32_t>(std::min(sum / unit_, kMostCost));
 }
 
-void SeamExpansion::add_neighbours(MinCut& cut, std::size_t p, std::size_t r) const {
+void SeamExpansion::add_neighbours(core::MinimumCut& cut, std::size_t p, std::size_t r) const {
   if (slot_[p] < 0 || slot_[r] < 0) return;
   for (std::size_t q = 0; q < spans_; ++q) {
     const std::int32_t s = node_[p * spans_ + q], t = node_[r * spans_ + q];
@@ -153,7 +154,7 @@ void SeamExpansion::add_neighbours(MinCut& cut, std::size_t p, std::size_t r) co
 }
 
 // Adds pairs in time: between the last frame of a span and the first of the next.
-void SeamExpansion::add_moments(MinCut& cut, std::size_t p) const {
+void SeamExpansion::add_moments(core::MinimumCut& cut, std::size_t p) const {
   if (slot_[p] < 0) return;
   for (std::size_t q = 0; q + 1 < spans_; ++q) {
     const std::int32_t s = node_[p * spans_ + q], t = node_[p * spans_ + q + 1];
@@ -171,7 +172,7 @@ void SeamExpansion::add_moments(MinCut& cut, std::size_t p) const {
 
 void SeamExpansion::solve() {
   load();
-  MinCut cut(static_cast<std::size_t>(nodes_), 3 * static_cast<std::size_t>(nodes_));
+  core::MinimumCut cut(static_cast<std::size_t>(nodes_));
   for (std::size_t p = 0; p < pixels(); ++p) {
     if ((p + 1) % width() != 0) add_neighbours(cut, p, p + 1);
     if (p + width() < pixels()) add_neighbours(cut, p, p + width());
@@ -179,7 +180,7 @@ void SeamExpansion::solve() {
   }
   cut.solve();
   for (std::size_t i = 0; i < node_.size(); ++i)
-    if (node_[i] >= 0 && cut.is_second(node_[i])) shown_[i] = block_;
+    if (node_[i] >= 0 && cut.is_second(static_cast<std::size_t>(node_[i]))) shown_[i] = block_;
 }
 
 void SeamExpansion::write(BlockCourses& courses) const {

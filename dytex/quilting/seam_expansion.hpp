@@ -8,9 +8,9 @@
 
 #include <opencv2/core/types.hpp>
 
+#include "core/math/minimum_cut.hpp"
 #include "dytex/quilting/block_courses.hpp"
 #include "dytex/quilting/course_values.hpp"
-#include "dytex/quilting/min_cut.hpp"
 
 /// Moves of seams in x, y and t. Inner header of quilting.
 namespace emberfold::dytex::detail {
@@ -51,8 +51,8 @@ class SeamExpansion {
   void find_slots();
   void load();
   [[nodiscard]] std::int32_t cost(const CourseValue* a, const CourseValue* b, std::size_t n) const;
-  void add_neighbours(MinCut& cut, std::size_t p, std::size_t r) const;
-  void add_moments(MinCut& cut, std::size_t p) const;
+  void add_neighbours(core::MinimumCut& cut, std::size_t p, std::size_t r) const;
+  void add_moments(core::MinimumCut& cut, std::size_t p) const;
   [[nodiscard]] std::size_t value_index(std::size_t p, int frame) const {
     return static_cast<std::size_t>(slot_[p]) * course_ +
            static_cast<std::size_t>(frame) * values_.channels();

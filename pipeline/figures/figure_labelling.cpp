@@ -5,8 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include <boost/graph/adjacency_list.hpp>
-#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
+#include "core/math/minimum_cut.hpp"
 
 namespace emberfold::pipeline {
 
@@ -14,41 +13,16 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // nats
 
-using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
-struct Unit {
-  boost::default_color_type color = boost::white_color;
-  long distance = 0;
-  Traits::edge_descriptor predecessor;
-};
-struct Arc {
-  double capacity = 0, residual = 0;
-  Traits::edge_descriptor reverse;
-};
-using Network = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, Unit, Arc>;
-
-void connect(Network& network, std::size_t from, std::size_t to, double there, double back) {
-  const auto on = boost::add_edge(from, to, network).first,
-             reverse = boost::add_edge(to, from, network).first;
-  network[on].capacity = there, network[on].reverse = reverse;
-  network[reverse].capacity = back, network[reverse].reverse = on;
-}
-
+// A unit has its label where it is on the first side.
 std::vector<char> minimum_cut(const Labelling& of) {
-  const std::size_t count = of.gain.size(), source = count, sink = count + 1;
-  Network network(count + 2);
-  for (std::size_t i = 0; i < count; ++i) {
-    connect(network, source, i, std::max(0., of.gain[i]), 0);
-    connect(network, i, sink, std::max(0., -of.gain[i]), 0);
-  }
+  core::MinimumCut cut(of.gain.size());
+  for (std::size_t i = 0; i < of.gain.size(); ++i)
+    cut.add_costs(i, std::max(0., -of.gain[i]), std::max(0., of.gain[i]));
   for (const LabelStar& star : of.stars)
-    for (const std::size_t part : star.parts) connect(network, star.whole, part, of.change, of.change);
-  boost::boykov_kolmogorov_max_flow(network, boost::get(&Arc::capacity, network),
-                                    boost::get(&Arc::residual, network), boost::get(&Arc::reverse, network),
-                                    boost::get(&Unit::predecessor, network),
-                                    boost::get(&Unit::color, network), boost::get(&Unit::distance, network),
-                                    boost::get(boost::vertex_index, network), source, sink);
+    for (const std::size_t part : star.parts) cut.add_edge(star.whole, part, of.change, of.change);
+  cut.solve();
   std::vector<char> labels;
-  for (std::size_t i = 0; i < count; ++i) labels.push_back(network[i].color == boost::black_color ? 1 : 0);
+  for (std::size_t i = 0; i < of.gain.size(); ++i) labels.push_back(cut.is_second(i) ? 0 : 1);
   return labels;
 }
 

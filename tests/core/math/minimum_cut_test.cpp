@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dytex/quilting/min_cut.hpp"
+#include "core/math/minimum_cut.hpp"
 
 #include <limits>
 #include <tuple>
@@ -12,7 +12,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace emberfold;
-using dytex::detail::MinCut;
+using core::MinimumCut;
 
 namespace {
 
@@ -73,14 +73,13 @@ struct Solved {
 };
 
 Solved solved(const Problem& problem) {
-  MinCut cut(static_cast<std::size_t>(problem.nodes));
-  for (int i = 0; i < problem.nodes; ++i) {
-    const auto& [first, second] = problem.costs[static_cast<std::size_t>(i)];
-    cut.add_costs(i, first, second);
-  }
-  for (const auto& [a, b, cost, reverse] : problem.edges) cut.add_edge(a, b, cost, reverse);
-  Solved result{cut.solve(), {}};
-  for (int i = 0; i < problem.nodes; ++i) result.second.push_back(cut.is_second(i));
+  const auto nodes = static_cast<std::size_t>(problem.nodes);
+  MinimumCut cut(nodes);
+  for (std::size_t i = 0; i < nodes; ++i) cut.add_costs(i, problem.costs[i].first, problem.costs[i].second);
+  for (const auto& [a, b, cost, reverse] : problem.edges)
+    cut.add_edge(static_cast<std::size_t>(a), static_cast<std::size_t>(b), cost, reverse);
+  Solved result{static_cast<std::int64_t>(cut.solve()), {}};
+  for (std::size_t i = 0; i < nodes; ++i) result.second.push_back(cut.is_second(i));
   return result;
 }
 
