@@ -275,4 +275,13 @@ std::vector<Curve> curves(const AttributeGraph& graph) {
   return sorted;
 }
 
+double seen_length(const AttributeGraph& graph) {
+  double sum = 0;
+  for (const Edge& edge : graph.edges()) {
+    const Patch &a = graph.patch(graph.index_of(edge.a)), &b = graph.patch(graph.index_of(edge.b));
+    if (is_seen(a, b)) sum += distance(a.position, b.position);
+  }
+  return sum;
+}
+
 }  // namespace emberfold::graph

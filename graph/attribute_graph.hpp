@@ -132,4 +132,7 @@ using Curve = std::vector<std::uint32_t>;
 /// Ordered by their lowest vertices: equal graphs give equal lists. O(n log n).
 std::vector<Curve> curves(const AttributeGraph& graph);
 
+/// Returns the length of all edges along which something is seen, px. O(n log n).
+double seen_length(const AttributeGraph& graph);
+
 }  // namespace emberfold::graph

@@ -36,8 +36,16 @@ bool joins_outlines(const Patch& a, const Patch& b) {
   if (!on_step(a) || !on_step(b)) return false;
   const Point way = b.position - a.position;
   const double direction = std::atan2(way.y, way.x);
-  return orientation_difference(a.theta, direction) > kAlong &&
-         orientation_difference(b.theta, direction) > kAlong;
+  return norm(way) > kLongestGap || (orientation_difference(a.theta, direction) > kAlong &&
+                                     orientation_difference(b.theta, direction) > kAlong);
+}
+
+bool closes_at_border(const Patch& patch) {
+  return on_step(patch) && patch.contrast == 0;
+}
+
+bool is_seen(const Patch& a, const Patch& b) {
+  return !(closes_at_border(a) && closes_at_border(b)) && !joins_outlines(a, b);
 }
 
 bool same_kind(const Patch& a, const Patch& b) {

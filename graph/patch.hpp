@@ -92,9 +92,19 @@ inline bool on_step(const Patch& patch) {
   return patch.width <= 0;
 }
 
-/// Returns whether an edge between two patches only tells that both belong to one thing, so that nothing is
-/// seen along it: both lie on steps, and neither step runs along the edge (within 50°).
+/// The longest gap in a line, px: of two steps that are farther apart nothing is seen between them.
+constexpr double kLongestGap = 30;
+
+/// Returns whether an edge between two patches only tells that both belong to one thing: both lie on steps,
+/// and neither step runs along the edge (within 50°), or they are more than `kLongestGap` apart.
 bool joins_outlines(const Patch& a, const Patch& b);
+
+/// Returns whether the patch only closes an outline, along the picture's border: a step without contrast.
+bool closes_at_border(const Patch& patch);
+
+/// Returns whether something is seen along an edge between two patches: it neither joins outlines nor runs
+/// along the picture's border.
+bool is_seen(const Patch& a, const Patch& b);
 
 /// Returns whether two patches can be linked in time: both lines of one sign, or both steps.
 bool same_kind(const Patch& a, const Patch& b);

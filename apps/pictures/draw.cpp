@@ -19,15 +19,6 @@ cv::Scalar bgr(Colour c) {
   return {double(c.blue), double(c.green), double(c.red)};
 }
 
-/// Returns whether a patch only closes an outline, along the picture's border, where nothing is seen.
-bool is_unseen(const graph::Patch& patch) {
-  return graph::on_step(patch) && patch.contrast == 0;
-}
-
-bool is_seen(const graph::Patch& a, const graph::Patch& b) {
-  return !(is_unseen(a) && is_unseen(b)) && !joins_outlines(a, b);
-}
-
 /// Returns the number of edges of a patch that are seen.
 std::size_t seen_edges(const graph::AttributeGraph& graph, std::size_t vertex) {
   const auto others = graph.neighbours(vertex);
@@ -189,7 +180,7 @@ void draw_graph(cv::Mat& picture, const graph::AttributeGraph& graph, const Plac
   for (const auto& line : lines) draw_line(line, bgr(colour(line.front())), 2);
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const auto& patch = graph.patch(i);
-    if (graph::is_anchor(patch) || is_unseen(patch)) continue;
+    if (graph::is_anchor(patch) || closes_at_border(patch)) continue;
     const cv::Point2d at = place(patch.position);
     const auto tint = bgr(colour(i));
     if (graph.degree(i) == 0) {

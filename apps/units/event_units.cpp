@@ -33,14 +33,9 @@ Json interval_json(const core::Interval& interval) {
 /// previous frame, px s.
 double stroke_length(const graph::MotionGraph& motion, const graph::Units& units) {
   double sum = 0;
-  for (std::size_t t = 1; t < motion.sketch.frames.size(); ++t) {
-    const auto& graph = motion.sketch.frames[t];
-    double length = 0;
-    for (const auto& edge : graph.edges())
-      length += graph::distance(graph.patch(graph.index_of(edge.a)).position,
-                                graph.patch(graph.index_of(edge.b)).position);
-    sum += length * units.span(static_cast<int>(t) - 1, static_cast<int>(t));
-  }
+  for (std::size_t t = 1; t < motion.sketch.frames.size(); ++t)
+    sum += graph::seen_length(motion.sketch.frames[t]) *
+           units.span(static_cast<int>(t) - 1, static_cast<int>(t));
   return sum;
 }
 

@@ -18,7 +18,6 @@ namespace emberfold::graph {
 
 namespace {
 
-constexpr double kLongestBridge = 30;  // px; wider gaps are read as one stroke by mistake
 constexpr double kAnyBridge = std::numeric_limits<double>::max();  // of things
 constexpr int kRounds = 5;                                         // of naming strokes anew; clips take two
 
@@ -79,7 +78,7 @@ AttributeGraph join_pieces(const AttributeGraph& graph, const std::set<SubgraphI
     Piece whole = std::move(pieces.front());
     pieces.erase(pieces.begin());
     const bool is_thing = things.contains(graph.vertices()[whole.front()].subgraph);
-    const double longest = is_thing ? kAnyBridge : kLongestBridge;
+    const double longest = is_thing ? kAnyBridge : kLongestGap;
     while (const auto bridge = shortest_bridge(graph, whole, pieces, longest)) {
       const auto ends = std::minmax(graph.vertices()[bridge->from].id, graph.vertices()[bridge->to].id);
       edges.push_back({ends.first, ends.second});

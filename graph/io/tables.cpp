@@ -37,7 +37,8 @@ std::vector<Row> rows_of(const AttributeGraph& whole, std::uint32_t frame) {
     row.width += patch.width;
     row.contrast += patch.contrast;
     for (const std::uint32_t other : graph.neighbours(i))
-      if (other > i) row.length += distance(patch.position, graph.patch(other).position);
+      if (other > i && is_seen(patch, graph.patch(other)))
+        row.length += distance(patch.position, graph.patch(other).position);
   }
   detail::ShortestPaths paths(graph);
   for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -101,7 +101,8 @@ NetworkFigures network_figures(const AttributeGraph& graph) {
     figures.junctions_more += degree > 4 ? 1 : 0;
     figures.branches += degree > 2 ? static_cast<std::uint32_t>(degree - 2) : 0;
     for (const std::uint32_t w : lines.neighbours(v))
-      if (v < w) lengths[parts.of_vertex[v]] += edge_length(lines, v, w);
+      if (v < w && is_seen(lines.patch(v), lines.patch(w)))
+        lengths[parts.of_vertex[v]] += edge_length(lines, v, w);
   }
   for (const double length : lengths)
     figures.length += length, figures.longest = std::max(figures.longest, length);

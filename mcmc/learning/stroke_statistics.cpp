@@ -58,9 +58,7 @@ StrokeSeries stroke_series(const graph::MotionGraph& motion, std::span<const gra
     std::set<graph::SubgraphId> here;
     for (const auto& vertex : graph.vertices()) here.insert(vertex.subgraph), last[vertex.subgraph] = t;
     series.strokes[t] = static_cast<double>(here.size());
-    for (const auto& edge : graph.edges())
-      series.length[t] += graph::distance(graph.patch(graph.index_of(edge.a)).position,
-                                          graph.patch(graph.index_of(edge.b)).position);
+    series.length[t] = graph::seen_length(graph);
   }
   for (const auto& [stroke, t] : last)
     if (t + 1 < frames.size()) series.ended[t] += 1;

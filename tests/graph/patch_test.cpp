@@ -35,6 +35,26 @@ TEST_CASE("An edge joins outlines where neither step runs along it", "[graph][pa
   CHECK(joins(0.6, -0.6));
   CHECK_FALSE(joins(0, pi / 2));
   CHECK_FALSE(joins(0.8, 0.8));
-  b.width = 2;  // a line
+  b.position = {10, 41};
+  CHECK(joins(pi / 2, pi / 2));  // farther apart than any gap
+  b.width = 2;                   // a line
   CHECK_FALSE(joins(0, 0));
+}
+
+TEST_CASE("Nothing is seen along the border that closes an outline, nor between outlines", "[graph][patch]") {
+  constexpr double pi = std::numbers::pi;
+  graph::Patch a, b;
+  a.theta = b.theta = pi / 2;
+  a.position = {10, 10}, b.position = {10, 20};
+  const auto seen = [&](double contrast_a, double contrast_b) {
+    a.contrast = contrast_a, b.contrast = contrast_b;
+    return graph::is_seen(a, b);
+  };
+  CHECK(seen(30, 30));
+  CHECK(seen(30, 0));
+  CHECK_FALSE(seen(0, 0));
+  b.position = {20, 10};
+  CHECK_FALSE(seen(30, 30));
+  a.width = b.width = 3;
+  CHECK(seen(0, 0));
 }

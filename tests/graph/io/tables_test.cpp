@@ -4,6 +4,7 @@
 
 #include "core/error.hpp"
 #include "graph/io/motion_io.hpp"
+#include "graph/network/network_figures.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/graphs.hpp"
 
@@ -60,6 +61,22 @@ TEST_CASE("A ring has no end, a stroke's length is that of all its edges", "[gra
   CHECK(rows[0][4] == 16);
   CHECK(rows[0][8] == 0);
   CHECK(rows[0][9] == 0);
+}
+
+TEST_CASE("A stroke's length is what is seen of it: no border, no way to another piece", "[graph][io]") {
+  const graph::Point corners[] = {{0, 0}, {10, 0}, {20, 0}, {20, 60}, {30, 60}};
+  std::vector<graph::Vertex> vertices;
+  for (std::uint32_t id = 0; id < 5; ++id) {
+    vertices.push_back(test::vertex(id, corners[id].x, corners[id].y, 0, id < 2 ? 0 : 40));
+    vertices.back().patch.width = 0;
+  }
+  const graph::AttributeGraph outline(vertices, {{{0}, {1}}, {{1}, {2}}, {{2}, {3}}, {{3}, {4}}});
+  const auto motion = graph::identify(graph::MotionGraph{{40, 80, 25, {outline}}, {{}}});
+  const auto rows = rows_of(table_of(motion));
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0][4] == 20);
+  CHECK(graph::seen_length(outline) == 20);
+  CHECK(graph::network_figures(outline).length == 20);
 }
 
 TEST_CASE("The table of strokes tells of every patch once, in order", "[graph][io]") {
