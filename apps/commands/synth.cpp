@@ -62,6 +62,7 @@ Json statistics_json(const pipeline::SynthesisStatistics& drawn) {
   Json figures = {{"patches_per_frame", mean(drawn.patches)},
                   {"strokes_per_frame", mean(drawn.strokes)},
                   {"operators", counts}};
+  if (drawn.edited) figures["edited_moments"] = *drawn.edited;
   if (drawn.copied_share) figures["copied_share"] = std::round(100 * *drawn.copied_share) / 100;
   return figures;
 }
@@ -74,6 +75,19 @@ Json footage_json(const pipeline::FootageSynthesis& drawn) {
           {"plays_back", drawn.plays_back()},
           {"time_spread_frames", rounded(drawn.amplitude())},
           {"copied_share", rounded(drawn.copied_share())}};
+}
+
+/// Warns where an edit of the clip's own strokes shows in no frame.
+void warn_of_no_effect(const SynthRequest& asked, const pipeline::ClipSynthesis& frames,
+                       const Session& session) {
+  mcmc::MotionEdit only_played;
+  only_played.speed = asked.edit.edit.speed, only_played.reverse = asked.edit.edit.reverse;
+  const auto* const strokes = frames.statistics();
+  if (strokes == nullptr || strokes->edited != std::size_t{0}) return;
+  if (asked.edit.edit == only_played && asked.edit.birth_map.empty()) return;
+  session.context.warn("the edit shows in none of the " + std::to_string(asked.frames) +
+                       " frames: what it multiplies or hides is rare in this clip, or cannot be hidden; "
+                       "--method diffusion draws strokes instead");
 }
 
 /// Says how much of the clip is copied, or why strokes are drawn.
@@ -144,6 +158,7 @@ void run_synth(SynthRequest asked, Session& session) {
   SynthOutputs outputs(asked, frames);
   write_clips(asked, outputs, frames, session);
   stages.end();
+  warn_of_no_effect(asked, frames, session);
   session.console.say(std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " +
                       asked.output + how_drawn(asked, frames));
   if (!session.common.json) return;

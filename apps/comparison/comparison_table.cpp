@@ -31,10 +31,11 @@ std::string row(const std::string& name, const std::string& cells) {
   return out + cells + "\n";
 }
 
-// Returns the last words of a label that fit above a column of numbers.
+// Returns a label in words that fit above a column of numbers.
 std::string heading(const std::string& label) {
   constexpr std::size_t kWidth = 13;
   std::string text = label == "linear dynamic texture" ? "dyn. texture"
+                     : label == "clip's footage"       ? "footage"
                      : label == "the other clip"       ? "other clip"
                      : label == "video-texture loop"   ? "loop"
                                                        : label;
@@ -44,7 +45,7 @@ std::string heading(const std::string& label) {
 
 std::string prediction_table(const Json& measures) {
   const auto& prediction = measures["prediction"];
-  std::string head = "predicted from " + std::to_string(prediction["moments"].get<int>()) + " moments";
+  std::string head = "from " + std::to_string(prediction["moments"].get<int>()) + " moments, more is better";
   head.resize(std::max<std::size_t>(head.size() + 2, 32), ' ');
   for (const auto& step : prediction["steps"])
     head += heading((step == 1 ? "next, dB" : "+" + step.dump() + ", dB"));
@@ -96,10 +97,12 @@ std::string visible_table(const Json& measures, const std::vector<DistanceColumn
       const auto& distances = distances_of(measures, one.key);
       cells += cell(distances.contains("visible") ? distances["visible"] : Json(nullptr), measure.key, 2);
     }
-    if (cells.find_first_of("0123456789") != std::string::npos) rows += row(measure.name, cells);
+    if (cells.find_first_of("0123456789") != std::string::npos)
+      rows +=
+          row(std::string(measure.name) + (measure.key == std::string("copied") ? ", 0 is best" : ""), cells);
   }
   if (rows.empty()) return {};
-  std::string head = "to the eye, source's is 1";
+  std::string head = "to the eye, 1 is best";
   head.resize(32, ' ');
   for (const auto& one : columns) head += heading(one.label);
   return head + "\n" + rows + "\n";
@@ -112,7 +115,7 @@ std::string comparison_table(const Json& measures) {
   if (measures.contains("prediction") && !measures["prediction"].is_null()) out += prediction_table(measures);
   const auto columns = distance_columns(measures);
   out = visible_table(measures, columns) + out;
-  std::string head = "how far from the source";
+  std::string head = "from the source, less is nearer";
   head.resize(32, ' ');
   for (const auto& one : columns) head += heading(one.label);
   out += head + "\n";

@@ -196,8 +196,7 @@ void CarriedPlay::begin_strokes(const Played& played, core::Rng& rng, CarriedMom
     const bool born = played.step != 0;
     if (born) {
       const int more = rng.count(edit_.birth_map ? births : std::max(0.0, births - 1));
-      for (int i = 0; i < more; ++i) bear_again(rng);
-      moment.operators[index(EventType::birth)] += more;
+      for (int i = 0; i < more; ++i) moment.operators[index(EventType::birth)] += bear_again(rng) ? 1 : 0;
     }
     const bool wrong = edit_.strokes != mcmc::StrokeChoice::all &&
                        (mean_width(clip_->graph(frame_), stroke) >= usual_width_) !=
@@ -218,16 +217,18 @@ bool CarriedPlay::is_whole(Index vertex) const {
   return now_[vertex].hiding < 0;
 }
 
-void CarriedPlay::end_stroke(core::Rng& rng) {
+bool CarriedPlay::end_stroke(core::Rng& rng) {
   auto strokes = mcmc::vertices_by_stroke(graph::components(clip_->graph(frame_)));
   std::erase_if(strokes, [&](const auto& stroke) {
     return !moves(stroke) || !std::ranges::all_of(stroke, [&](Index v) { return is_whole(v); });
   });
-  if (const auto found = choice_.least_visible(frame_, std::move(strokes), rng)) hide(*found, false);
+  const auto found = choice_.least_visible(frame_, std::move(strokes), rng);
+  if (found) hide(*found, false);
+  return found.has_value();
 }
 
 /// Opens a gap in a curve, or between a junction and one of its arms.
-void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
+bool CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
   const auto& graph = clip_->graph(frame_);
   std::vector<std::pair<Index, Index>> sites;  // where it opens, and the vertex that it does not pass
   for (Index v = 0; v < graph.size(); ++v) {
@@ -247,13 +248,16 @@ void CarriedPlay::open_gap(core::Rng& rng, bool at_junction) {
     std::erase_if(gaps.back(), [&](Index v) { return !is_whole(v); });
     sites.pop_back();
   }
-  if (const auto gap = choice_.least_visible(frame_, std::move(gaps), rng)) hide_gap(*gap, false);
+  const auto gap = choice_.least_visible(frame_, std::move(gaps), rng);
+  if (gap) hide_gap(*gap, false);
+  return gap.has_value();
 }
 
 /// Repeats a stroke of another time.
-void CarriedPlay::bear_again(core::Rng& rng) {
-  if (const auto found = find_life_again(*clip_, frame_, edit_.birth_map, rng))
-    again_.push_back({found->life, moment_, found->offset, {}});
+bool CarriedPlay::bear_again(core::Rng& rng) {
+  const auto found = find_life_again(*clip_, frame_, edit_.birth_map, rng);
+  if (found) again_.push_back({found->life, moment_, found->offset, {}});
+  return found.has_value();
 }
 
 /// Changes strokes in this moment, as in the clip or additionally.
@@ -277,12 +281,11 @@ void CarriedPlay::change_strokes(const Played& played, core::Rng& rng, CarriedMo
     ++count;
     if (graph::detail::is_union(type)) continue;
     const int more = rng.count(std::max(0.0, rate - 1));
-    for (int i = 0; i < more; ++i)
-      if (type == EventType::death)
-        end_stroke(rng);
-      else
-        open_gap(rng, type == EventType::disconnect);
-    count += more;
+    for (int i = 0; i < more; ++i) {
+      const bool done =
+          type == EventType::death ? end_stroke(rng) : open_gap(rng, type == EventType::disconnect);
+      count += done ? 1 : 0;
+    }
   }
 }
 

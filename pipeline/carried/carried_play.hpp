@@ -80,9 +80,10 @@ class CarriedPlay {
                                      const std::vector<Followed>& now, std::uint32_t vertex) const;
   void begin_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment);
   void change_strokes(const Played& played, core::Rng& rng, CarriedMoment& moment);
-  void end_stroke(core::Rng& rng);
-  void open_gap(core::Rng& rng, bool at_junction);
-  void bear_again(core::Rng& rng);
+  // The next three return whether they could.
+  bool end_stroke(core::Rng& rng);
+  bool open_gap(core::Rng& rng, bool at_junction);
+  bool bear_again(core::Rng& rng);
   int hide(const std::vector<std::uint32_t>& vertices, bool sudden);
   void hide_gap(const std::vector<std::uint32_t>& vertices, bool sudden);
   void choose_place(Hiding& hiding, const std::vector<std::uint32_t>& vertices);

@@ -104,6 +104,7 @@ CarriedSynthesis::Moment CarriedSynthesis::next_moment() {
   moment.carried = round_.empty() ? play_.next(shown_frame(moment.shown))
                                   : round_[static_cast<std::size_t>(number) % round_.size()];
   statistics_.add(moment.carried.graph, moment.carried.operators);
+  statistics_.edited = statistics_.edited.value_or(0) + (moment.carried.strokes.empty() ? 0 : 1);
   return moment;
 }
 

@@ -39,6 +39,21 @@ TEST_CASE("a model of an older version, which kept textures too, is drawn as one
     CHECK(drawn(older.string(), std::string("older_") + method, method) == drawn(made.model, method, method));
 }
 
+TEST_CASE("synth says so where an edit shows in no frame") {
+  const LearnedClip made;
+  const auto warns = [&](const std::vector<std::string>& edit) {
+    std::vector<std::string> arguments{"synth",    made.model, "-o",         (made.temp / "one.avi").string(),
+                                       "--frames", "1",        "--overwrite"};
+    arguments.insert(arguments.end(), edit.begin(), edit.end());
+    const auto result = run_command(arguments);
+    REQUIRE(result.exit == 0);
+    return result.err.find("shows in none of the 1 frames") != std::string::npos;
+  };
+  CHECK(warns({"--set", "synth.splits=2"}));  // nothing parts in a first frame
+  CHECK_FALSE(warns({"--method", "edit", "--speed", "0.5"}));
+  CHECK_FALSE(warns({"--strokes", "coarse"}));
+}
+
 TEST_CASE("synth makes a clip of the model's footage unless strokes are asked for") {
   const LearnedClip made;
   const auto draw = [&](const std::string& name, const std::vector<std::string>& more) {

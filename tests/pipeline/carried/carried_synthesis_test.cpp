@@ -96,6 +96,7 @@ TEST_CASE("carried strokes: without an edit every frame is one of the clip, with
   }
   CHECK(copied >= 15);
   CHECK(synthesis.statistics()->patches.size() == 30);
+  CHECK(synthesis.statistics()->edited == std::size_t{0});
 }
 
 TEST_CASE("carried strokes: twice the births show lives of other times with their pixels") {
@@ -107,6 +108,7 @@ TEST_CASE("carried strokes: twice the births show lives of other times with thei
   const auto before = events(usual.motion(60), EventType::birth), after = events(motion, EventType::birth);
   CHECK(after > 1.4 * before);
   CHECK(more.statistics()->operators[0] >= static_cast<std::size_t>(after));
+  CHECK(more.statistics()->edited.value_or(0) > 10);
   // The middle of every stroke is as bright as in the clip: 90 levels above the ground.
   double sum = 0;
   int count = 0;
