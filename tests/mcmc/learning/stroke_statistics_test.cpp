@@ -26,6 +26,7 @@ graph::Vertex patch_of(std::uint32_t id, std::uint32_t stroke, double x, double 
   graph::Vertex v;
   v.id = {id}, v.subgraph = {stroke};
   v.patch.position = {x, y};
+  v.patch.width = 2;
   return v;
 }
 
