@@ -75,7 +75,12 @@ struct Solved {
 Solved solved(const Problem& problem) {
   const auto nodes = static_cast<std::size_t>(problem.nodes);
   MinimumCut cut(nodes);
-  for (std::size_t i = 0; i < nodes; ++i) cut.add_costs(i, problem.costs[i].first, problem.costs[i].second);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const auto& [first, second] = problem.costs[i];
+    const int part_of_first = first / 3, part_of_second = second - second / 3;
+    cut.add_costs(i, part_of_first, part_of_second);
+    cut.add_costs(i, first - part_of_first, second - part_of_second);
+  }
   for (const auto& [a, b, cost, reverse] : problem.edges)
     cut.add_edge(static_cast<std::size_t>(a), static_cast<std::size_t>(b), cost, reverse);
   Solved result{static_cast<std::int64_t>(cut.solve()), {}};
