@@ -345,13 +345,16 @@ TEST_CASE("Of two sets of links those with fewer changes count, then the more, t
     frame.line(points);
   };
   // Two strokes of three patches stay; a third one far away is a group of its own.
-  test::Frame frame;
-  line(frame, 10, 3), line(frame, 20, 3), line(frame, 80, 2);
-  const auto graph = frame.graph();
+  const auto lines_from = [&](double y) {
+    test::Frame frame;
+    line(frame, y, 3), line(frame, y + 10, 3), line(frame, y + 70, 2);
+    return frame.graph();
+  };
+  const auto before = lines_from(10), after = lines_from(11);
   const auto link = [](std::uint32_t a, std::uint32_t b) { return graph::Link{{a}, {b}}; };
   const auto chosen = [&](const Links& one, const Links& other) {
-    auto links = graph::detail::choose_links(graph, graph, one, other);
-    CHECK(graph::detail::choose_links(graph, graph, other, one) == links);
+    auto links = graph::detail::choose_links(before, after, one, other);
+    CHECK(graph::detail::choose_links(before, after, other, one) == links);
     return links;
   };
   const Links straight{link(0, 0), link(1, 1), link(2, 2), link(3, 3), link(4, 4), link(5, 5)};
