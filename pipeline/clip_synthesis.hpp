@@ -36,8 +36,7 @@ struct SynthesisStatistics {
   std::vector<std::size_t> patches, strokes;  ///< of each frame
   std::array<std::size_t, 6> operators{};     ///< births, deaths, splits, merges, connects, disconnects
   std::optional<double> copied_share = {};  ///< CopiedShare of every fourth frame; none of a model's strokes
-  std::optional<std::size_t> edited =
-      {};  ///< moments in which an edit shows; none but of SynthesisMethod::edit
+  std::optional<std::size_t> edited = {};   ///< moments in which an edit shows; of the method edit alone
 
   /// Counts the next frame. `changes`: its numbers of the operators above.
   void add(const graph::AttributeGraph& graph, const std::array<int, 6>& changes) {

@@ -78,14 +78,13 @@ Json footage_json(const pipeline::FootageSynthesis& drawn) {
 }
 
 /// Warns where an edit of the clip's own strokes shows in no frame.
-void warn_of_no_effect(const SynthRequest& asked, const pipeline::ClipSynthesis& frames,
+void warn_of_no_effect(const mcmc::MotionEdit& edit, int count, const pipeline::ClipSynthesis& frames,
                        const Session& session) {
   mcmc::MotionEdit only_played;
-  only_played.speed = asked.edit.edit.speed, only_played.reverse = asked.edit.edit.reverse;
+  only_played.speed = edit.speed, only_played.reverse = edit.reverse;
   const auto* const strokes = frames.statistics();
-  if (strokes == nullptr || strokes->edited != std::size_t{0}) return;
-  if (asked.edit.edit == only_played && asked.edit.birth_map.empty()) return;
-  session.context.warn("the edit shows in none of the " + std::to_string(asked.frames) +
+  if (edit == only_played || strokes == nullptr || strokes->edited != std::size_t{0}) return;
+  session.context.warn("the edit shows in none of the " + std::to_string(count) +
                        " frames: what it multiplies or hides is rare in this clip, or cannot be hidden; "
                        "--method diffusion draws strokes instead");
 }
@@ -158,7 +157,7 @@ void run_synth(SynthRequest asked, Session& session) {
   SynthOutputs outputs(asked, frames);
   write_clips(asked, outputs, frames, session);
   stages.end();
-  warn_of_no_effect(asked, frames, session);
+  warn_of_no_effect(options.edit, asked.frames, frames, session);
   session.console.say(std::to_string(asked.frames) + " frames drawn from " + asked.model + " into " +
                       asked.output + how_drawn(asked, frames));
   if (!session.common.json) return;

@@ -13,7 +13,7 @@ namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr std::size_t kLongestGap = 10;                  // frames from the last to the first
+constexpr std::size_t kLongestAbsence = 10;              // frames from the last to the first
 constexpr double kSamePlace = 8;                         // px between counterparts
 constexpr double kSameDirection = std::numbers::pi / 6;  // between counterparts
 constexpr double kLeastShare = 0.5;  // of the smaller one's patches that have a counterpart
@@ -59,7 +59,7 @@ std::vector<Gap> find_gaps(const MotionGraph& motion, const std::map<SubgraphId,
     const Point goes = mean_displacement(motion, stroke, life.last - (life.last > life.first), life.last);
     const AttributeGraph& before = motion.sketch.frames[life.last];
     const auto patches = vertices_of(before, stroke);
-    const auto until = beginnings.upper_bound(life.last + (life.is_thing() ? 1 : kLongestGap));
+    const auto until = beginnings.upper_bound(life.last + (life.is_thing() ? 1 : kLongestAbsence));
     for (auto next = beginnings.upper_bound(life.last); next != until; ++next) {
       const Life& other = lives.at(next->second);
       if (other.is_thing() && other.first > life.last + 1) continue;
