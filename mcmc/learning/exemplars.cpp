@@ -27,90 +27,59 @@ struct StrokeReference {
   std::uint32_t frame = 0, part = 0;
 };
 
-Exemplar exemplar(const AttributeGraph& rest, const std::vector<Index>& indices) {
+Exemplar exemplar(const AttributeGraph& graph, const std::vector<Index>& indices) {
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
-  const Point place = stroke_middle(rest, indices);
+  const Point place = stroke_middle(graph, indices);
   const auto number = [&](Index v) {
     return graph::VertexId{static_cast<Index>(std::ranges::lower_bound(indices, v) - indices.begin())};
   };
   for (const Index v : indices) {
-    graph::Patch patch = rest.patch(v);
+    graph::Patch patch = graph.patch(v);
     patch.position = patch.position - place;
     vertices.push_back({number(v), {}, patch});
-    for (const Index w : rest.neighbours(v))
+    for (const Index w : graph.neighbours(v))
       if (v < w) edges.push_back({number(v), number(w)});
   }
   double clearance = far_away;
-  for (Index w = 0; w < rest.size(); ++w)
+  for (Index w = 0; w < graph.size(); ++w)
     if (!std::ranges::binary_search(indices, w))
       for (const Index v : indices)
-        clearance = std::min(clearance, graph::distance(rest.patch(w).position, rest.patch(v).position));
+        clearance = std::min(clearance, graph::distance(graph.patch(w).position, graph.patch(v).position));
   return {AttributeGraph(std::move(vertices), std::move(edges)), place, clearance};
 }
 
 }  // namespace
 
-std::vector<std::vector<Deviation>> patch_deviations(const graph::MotionGraph& motion,
-                                                     const std::vector<detail::CurveTrack>& all,
-                                                     const Series& normal_displacement) {
-  struct Mean {
-    double displacement = 0, contrast = 0;
-  };
-  std::vector<Mean> means;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto& samples = all[i].samples;
-    const double length = double(samples.size());
-    means.push_back(
-        {std::accumulate(normal_displacement[i].begin(), normal_displacement[i].end(), 0.0) / length, 0});
-    for (const auto& sample : samples) means.back().contrast += sample.contrast / length;
+std::vector<std::vector<double>> contrast_deviations(const graph::MotionGraph& motion,
+                                                     const std::vector<detail::CurveTrack>& all) {
+  std::vector<double> means;
+  for (const auto& track : all) {
+    double sum = 0;
+    for (const auto& sample : track.samples) sum += sample.contrast;
+    means.push_back(sum / static_cast<double>(track.samples.size()));
   }
   const auto& frames = motion.sketch.frames;
-  std::vector<std::vector<Deviation>> result;
+  std::vector<std::vector<double>> result;
   detail::visit_frames(all, frames.size(), [&](std::size_t t, std::span<const Index> there) {
-    std::vector<detail::TrackValue> moved, shone;
+    std::vector<detail::TrackValue> shone;
     for (const Index i : there) {
-      const auto k = t - static_cast<std::size_t>(all[i].first);
-      const auto& sample = all[i].samples[k];
-      moved.push_back({sample.vertex, sample.normal * (normal_displacement[i][k] - means[i].displacement)});
-      shone.push_back({sample.vertex, {sample.contrast - means[i].contrast, 0}});
+      const auto& sample = all[i].samples[t - static_cast<std::size_t>(all[i].first)];
+      shone.push_back({sample.vertex, {sample.contrast - means[i], 0}});
     }
-    const auto offsets = detail::smooth_over_patches(frames[t], moved);
-    const auto gains = detail::smooth_over_patches(frames[t], shone);
-    result.emplace_back().reserve(offsets.size());
-    for (std::size_t v = 0; v < offsets.size(); ++v)
-      result.back().push_back({offsets[v], std::clamp(gains[v].x, -most_gain, most_gain)});
+    result.emplace_back();
+    for (const Point& gain : detail::smooth_over_patches(frames[t], shone))
+      result.back().push_back(std::clamp(gain.x, -most_gain, most_gain));
   });
   return result;
 }
 
-std::vector<InitialMotion> estimate_initial_motion(const graph::MotionGraph& motion,
-                                                   const std::vector<std::vector<Deviation>>& all,
-                                                   std::size_t frame, const CellMap& displacement_scale) {
-  const auto &now = motion.sketch.frames[frame], &before = motion.sketch.frames[frame - 1];
-  std::vector<InitialMotion> result;
-  for (Index v = 0; v < now.size(); ++v) {
-    const Deviation& d = all[frame][v];
-    const double share = 1 / std::max(displacement_scale.at(now.patch(v).position - d.offset), 0.1);
-    result.push_back({d.offset * share, d.offset * share, d.gain, d.gain});
-  }
-  for (const auto& link : motion.links[frame]) {
-    const auto v = now.index_of(link.after), u = before.index_of(link.before);
-    const Deviation& d = all[frame - 1][u];
-    const double share =
-        1 / std::max(displacement_scale.at(now.patch(v).position - all[frame][v].offset), 0.1);
-    result[v].offset_before = d.offset * share, result[v].gain_before = d.gain;
-  }
-  return result;
-}
-
-AttributeGraph graph_at_rest(const AttributeGraph& graph, std::span<const Deviation> deviation) {
+AttributeGraph with_usual_contrast(const AttributeGraph& graph, std::span<const double> deviation) {
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
   for (Index v = 0; v < graph.size(); ++v) {
     vertices.push_back({{v}, {}, graph.patch(v)});
-    vertices[v].patch.position = graph.patch(v).position - deviation[v].offset;
-    detail::scale_contrast(vertices[v].patch, std::exp(-deviation[v].gain));
+    detail::scale_contrast(vertices[v].patch, std::exp(-deviation[v]));
     // They are the frame's, not the stroke's.
     vertices[v].patch.cost = vertices[v].patch.gain = vertices[v].patch.evidence = 0;
     for (const Index w : graph.neighbours(v))
@@ -120,8 +89,7 @@ AttributeGraph graph_at_rest(const AttributeGraph& graph, std::span<const Deviat
 }
 
 std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
-                                       const std::vector<std::vector<Deviation>>& deviation,
-                                       std::size_t most) {
+                                       const std::vector<std::vector<double>>& deviation, std::size_t most) {
   const auto& frames = motion.sketch.frames;
   std::array<std::vector<StrokeReference>, kSizeClasses> seen;
   std::size_t all = 0;
@@ -137,8 +105,8 @@ std::vector<Exemplar> sample_exemplars(const graph::MotionGraph& motion,
     const std::size_t wanted = std::min(of_size.size(), std::max(share, enough));
     for (std::size_t i = 0; i < wanted; ++i) {
       const StrokeReference one = of_size[i * of_size.size() / wanted];
-      const auto rest = graph_at_rest(frames[one.frame], deviation[one.frame]);
-      result.push_back(exemplar(rest, vertices_by_stroke(graph::components(rest))[one.part]));
+      const auto graph = with_usual_contrast(frames[one.frame], deviation[one.frame]);
+      result.push_back(exemplar(graph, vertices_by_stroke(graph::components(graph))[one.part]));
     }
   }
   return result;

@@ -81,16 +81,16 @@ std::array<double, 8> fade_shares(const CurveTracks& tracks, int frames, bool ba
   return shares;
 }
 
-// The frame, but not the first, with the number of patches nearest the mean.
-std::size_t typical_frame(const graph::MotionGraph& motion) {
+// The frame with the number of patches nearest the mean, as it was seen.
+graph::AttributeGraph typical_frame(const graph::MotionGraph& motion) {
   const auto& frames = motion.sketch.frames;
   double mean = 0;
   for (const auto& graph : frames) mean += static_cast<double>(graph.size());
   mean /= static_cast<double>(frames.size());
-  const auto found = std::ranges::min_element(frames.begin() + 1, frames.end(), {}, [&](const auto& graph) {
+  const auto found = std::ranges::min_element(frames, {}, [&](const auto& graph) {
     return std::abs(static_cast<double>(graph.size()) - mean);
   });
-  return static_cast<std::size_t>(found - frames.begin());
+  return with_usual_contrast(*found, std::vector<double>(found->size()));
 }
 
 CellMap mean_density(const graph::MotionGraph& motion) {
@@ -209,13 +209,10 @@ FitResult fit(const graph::MotionGraph& motion, const FitOptions& options, const
   model.rates.modifiers = estimate_rate_modifiers(motion, events, model.rates);
   result.events_per_frame = rates.events_per_frame, result.death_by_size = rates.death_by_size;
   append(result.notes, rates.notes);
-  const auto deviation = patch_deviations(motion, followed.tracks, followed.normal_displacement);
-  model.exemplars = sample_exemplars(motion, deviation, most_exemplars);
+  model.exemplars = sample_exemplars(motion, contrast_deviations(motion, followed.tracks), most_exemplars);
   model.density = mean_density(motion);
   model.hard_core = estimate_hard_core(motion);
-  const auto usual = typical_frame(motion);
-  model.first = graph_at_rest(motion.sketch.frames[usual], deviation[usual]);
-  model.first_motion = estimate_initial_motion(motion, deviation, usual, model.displacement_scale);
+  model.first = typical_frame(motion);
   result.observed = event_statistics(result.counts, sum(model.density));
 
   context.report("fit", 0.5);

@@ -152,13 +152,6 @@ void validate(const MotionModel& model) {
     check(exemplar.graph, "an exemplar");
   }
   check(model.first, "the first frame");
-  check(model.first_motion.empty() || model.first_motion.size() == model.first.size(), "first_swing",
-        "tells of " + std::to_string(model.first_motion.size()) + " patches, the first frame has " +
-            std::to_string(model.first.size()));
-  for (const auto& s : model.first_motion)
-    for (const double value :
-         {s.offset.x, s.offset.y, s.offset_before.x, s.offset_before.y, s.gain, s.gain_before})
-      check(std::isfinite(value), "first_swing", "holds a number that is not finite");
 }
 
 }  // namespace emberfold::mcmc

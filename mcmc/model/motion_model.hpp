@@ -95,14 +95,6 @@ struct HardCoreDistances {
   bool operator==(const HardCoreDistances&) const = default;
 };
 
-/// Holds the motion of a patch in the first frame, from which the auto-regressions start.
-struct InitialMotion {
-  /// px from rest at the usual displacement (MotionModel::displacement_scale), now and a frame before.
-  graph::Point offset, offset_before;
-  double gain = 0, gain_before = 0;  ///< logarithm of the contrast over that at rest, now and a frame before
-  bool operator==(const InitialMotion&) const = default;
-};
-
 /// Holds Θ of a clip: how its strokes move (θ_int), how often they change (θ_ext), and how they look.
 struct MotionModel {
   int width = 0, height = 0;  ///< px
@@ -115,12 +107,11 @@ struct MotionModel {
   CellMap drift_x, drift_y;     ///< px a frame: velocity of the rest shapes
   OperatorRates rates;
   HardCoreDistances hard_core;
-  CellMap density;                          ///< usual number of patches around each cell; guides births
-  std::array<double, 8> appearing{};        ///< share of the contrast so many frames after birth
-  std::array<double, 8> vanishing{};        ///< share of the contrast so many frames before death
-  std::vector<Exemplar> exemplars;          ///< strokes to be born
-  graph::AttributeGraph first;              ///< rest shapes of the strokes in the first frame
-  std::vector<InitialMotion> first_motion;  ///< of each patch of `first`; empty where not known
+  CellMap density;                    ///< usual number of patches around each cell; guides births
+  std::array<double, 8> appearing{};  ///< share of the contrast so many frames after birth
+  std::array<double, 8> vanishing{};  ///< share of the contrast so many frames before death
+  std::vector<Exemplar> exemplars;    ///< strokes to be born
+  graph::AttributeGraph first;        ///< strokes of the first frame, as they were seen
 
   bool operator==(const MotionModel&) const = default;
 };

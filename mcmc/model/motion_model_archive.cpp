@@ -232,10 +232,6 @@ void read_exemplars(const core::ModelArchive& archive, MotionModel& model) {
   tables.finish();
   GraphTables first(archive, "first");
   model.first = first.take(first.patches.size() / kPatchColumns, first.edges.size() / 2);
-  if (!archive.arrays.contains("first_swing")) return;  // older models do not have it
-  const auto& swing = rows_of<double>(archive, "first_swing", 6, model.first.size());
-  for (const double* s = swing.data(); s != swing.data() + swing.size(); s += 6)
-    model.first_motion.push_back({{s[0], s[1]}, {s[2], s[3]}, s[4], s[5]});
 }
 
 nlohmann::json header(const core::ModelArchive& archive) {
@@ -326,12 +322,6 @@ core::ModelArchive to_archive(const MotionModel& model) {
   archive.arrays["exemplar_places"] = table(std::move(places), 3);
   archive.arrays["first_patches"] = table(std::move(first), kPatchColumns);
   archive.arrays["first_edges"] = pairs(std::move(first_edges));
-  if (model.first_motion.empty()) return archive;
-  std::vector<double> swing;
-  for (const auto& s : model.first_motion)
-    swing.insert(swing.end(),
-                 {s.offset.x, s.offset.y, s.offset_before.x, s.offset_before.y, s.gain, s.gain_before});
-  archive.arrays["first_swing"] = table(std::move(swing), 6);
   return archive;
 }
 

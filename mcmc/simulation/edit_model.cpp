@@ -80,10 +80,6 @@ void speed_up(MotionModel& model, double factor, std::uint64_t seed, const core:
   rates.refractory_period /= factor, rates.modifiers.pace *= factor;
   resample_fade(model.appearing, factor);
   resample_fade(model.vanishing, factor);
-  for (auto& motion : model.first_motion) {
-    motion.offset_before = motion.offset + (motion.offset_before - motion.offset) * factor;
-    motion.gain_before = motion.gain + (motion.gain_before - motion.gain) * factor;
-  }
   calibrate_rates(model, shown, seed, context);
 }
 
@@ -152,10 +148,6 @@ void reverse_time(EditedMotion& result, std::uint64_t seed, const core::Context&
   for (auto* map : {&model.drift_x, &model.drift_y})
     for (double& value : map->values) value = -value;
   std::swap(model.appearing, model.vanishing);
-  for (auto& motion : model.first_motion) {
-    std::swap(motion.offset, motion.offset_before);
-    std::swap(motion.gain, motion.gain_before);
-  }
   calibrate_rates(model, shown, seed, context);
   note_unmet(shown, result, seed, context);
 }
@@ -198,16 +190,11 @@ void keep_first(MotionModel& model, const Keep& keep) {
     for (const auto v : part) kept[v] = keep(stroke(graph, part));
   std::vector<graph::Vertex> vertices;
   std::vector<graph::Edge> edges;
-  std::vector<InitialMotion> motions;
-  for (std::uint32_t v = 0; v < graph.size(); ++v) {
-    if (!kept[v]) continue;
-    vertices.push_back(graph.vertices()[v]);
-    if (!model.first_motion.empty()) motions.push_back(model.first_motion[v]);
-  }
+  for (std::uint32_t v = 0; v < graph.size(); ++v)
+    if (kept[v]) vertices.push_back(graph.vertices()[v]);
   for (const auto& edge : graph.edges())
     if (kept[graph.index_of(edge.a)]) edges.push_back(edge);
   model.first = {std::move(vertices), std::move(edges)};
-  model.first_motion = std::move(motions);
 }
 
 // Returns the share of births that is left.

@@ -49,16 +49,8 @@ void set_first_frame(MotionModel& model, SimulatedStrokes strokes) {
   std::vector<bool> fading;
   for (const auto& simulated : strokes.list) fading.push_back(simulated.frames_left >= 0);
   remove_patches(strokes, fading);
-  std::vector<graph::Vertex> vertices;
-  std::vector<graph::Edge> edges;
-  model.first_motion.clear();
-  for (std::uint32_t v = 0; v < strokes.list.size(); ++v) {
-    const SimulatedPatch& p = strokes.list[v];
-    vertices.push_back({{v}, {}, p.rest});
-    model.first_motion.push_back({p.offset, p.offset_before, p.gain, p.gain_before});
-  }
-  for (const auto& [a, b] : strokes.edges) edges.push_back({{std::min(a, b)}, {std::max(a, b)}});
-  model.first = {std::move(vertices), std::move(edges)};
+  for (SimulatedPatch& p : strokes.list) scale_contrast(p.rest, std::exp(p.gain));
+  model.first = stroke_graph(strokes);
 }
 
 std::string two_decimals(double value) {

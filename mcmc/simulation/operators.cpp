@@ -395,12 +395,6 @@ void apply_births(OperatorFrame& scene, std::uint64_t seed) {
     scene.count_event(EventType::birth);
     const auto first = static_cast<Index>(scene.strokes.list.size());
     add_stationary(scene.strokes, site.exemplar->graph, site.place, 0, model, seed);
-    // The stroke's mean displacement counts as part of its place.
-    const auto fresh = std::span(scene.strokes.list).subspan(first);
-    Point jitter;
-    for (const auto& simulated : fresh) jitter = jitter + simulated.offset * simulated.share;
-    jitter = jitter * (1 / static_cast<double>(fresh.size()));
-    for (auto& simulated : fresh) simulated.rest.position = simulated.rest.position - jitter;
     for (Index v = first; v < scene.strokes.list.size(); ++v) scene.start_refractory_period(v);
   }
 }

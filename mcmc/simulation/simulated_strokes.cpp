@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "graph/matching/point_grid.hpp"
+#include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/simulation/rounding.hpp"
 #include "mcmc/simulation/smooth_noise.hpp"
 
@@ -176,25 +177,27 @@ void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::
 
 namespace {
 
-// Makes patches that appear beside others move as these do. A deviation is mixed with that of the nearest
-// patch, at h px, with the correlation exp(−h²/2 range²); its variance is unchanged.
+// Makes a stroke that appears beside others move as these do: as the one patch that is nearest to any of its
+// own, so that the stroke keeps its shape. At h px from that patch deviations are mixed with the correlation
+// exp(−h²/2 range²); their variance is unchanged.
 void copy_neighbour_motion(SimulatedStrokes& fresh, const SimulatedStrokes& there, const MotionModel& model) {
-  if (there.list.empty()) return;
   std::vector<Point> places;
   for (const auto& simulated : there.list) places.push_back(simulated.rest.position);
   const double reach = 3 * std::max({model.displacement.range, model.contrast.range, 1.0});
   const graph::detail::PointGrid near(places, reach);
-  for (SimulatedPatch& me : fresh.list) {
-    double least = reach * reach;
-    const SimulatedPatch* nearest = nullptr;
+  double least = reach * reach;
+  const SimulatedPatch* nearest = nullptr;
+  for (const SimulatedPatch& me : fresh.list)
     for (const auto j : near.find_near(me.rest.position)) {
       const Point apart = places[j] - me.rest.position;
       if (graph::dot(apart, apart) < least) least = graph::dot(apart, apart), nearest = &there.list[j];
     }
-    if (!nearest) continue;
+  if (!nearest) return;
+  for (SimulatedPatch& me : fresh.list) {
+    const Point apart = nearest->rest.position - me.rest.position;
     const auto mix = [&](double range, auto mine, auto other) {
       if (!(range > 0)) return mine;
-      const double alike = rounded(std::exp(-0.5 * least / (range * range)));
+      const double alike = rounded(std::exp(-0.5 * graph::dot(apart, apart) / (range * range)));
       return other * alike + mine * std::sqrt(1 - alike * alike);
     };
     me.offset = mix(model.displacement.range, me.offset, nearest->offset);
@@ -214,14 +217,20 @@ void add_stationary(SimulatedStrokes& p, const graph::AttributeGraph& graph, Poi
     SimulatedPatch simulated;
     simulated.rest = vertex.patch;
     simulated.rest.position = simulated.rest.position + place;
-    simulated.share = interpolate(model.displacement_scale, simulated.rest.position);
     simulated.age = age;
     fresh.add(simulated);
+  }
+  for (const auto& stroke : vertices_by_stroke(graph::components(graph))) {
+    double share = 0;
+    for (const auto v : stroke)
+      share += interpolate(model.displacement_scale, fresh.list[v].rest.position) / double(stroke.size());
+    for (const auto v : stroke) fresh.list[v].share = share;
   }
   const auto number = [&](graph::VertexId id) { return static_cast<std::uint32_t>(graph.index_of(id)); };
   for (const auto& edge : graph.edges()) fresh.edges.emplace_back(number(edge.a), number(edge.b));
   draw_stationary_motion(fresh, model, seed);
   copy_neighbour_motion(fresh, p, model);
+  for (SimulatedPatch& me : fresh.list) me.rest.position = me.rest.position - me.offset * me.share;
   const auto before = static_cast<std::uint32_t>(p.list.size());
   for (const auto& [a, b] : fresh.edges) p.edges.emplace_back(a + before, b + before);
   p.ids.insert(p.ids.end(), fresh.ids.begin(), fresh.ids.end());

@@ -62,7 +62,8 @@ void step_motion(SimulatedStrokes& strokes, const MotionModel& model, std::uint6
 /// Draws the patches' motion from its stationary state.
 void draw_stationary_motion(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed);
 
-/// Adds a graph's patches at rest about `place`, with stationary motion and the given age.
+/// Adds a graph's strokes of the given age about `place`. Their motion is stationary, and begins at the shape
+/// that the graph shows; one amplitude for a whole stroke keeps it smooth.
 void add_stationary(SimulatedStrokes& strokes, const graph::AttributeGraph& graph, graph::Point place,
                     int age, const MotionModel& model, std::uint64_t seed);
 

@@ -2,6 +2,7 @@
 #include "mcmc/simulation/simulation_step.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "graph/events/events.hpp"
 #include "mcmc/learning/hard_core.hpp"
@@ -52,12 +53,7 @@ int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model) {
 SimulatedStrokes initial_strokes(const MotionModel& model, std::uint64_t seed) {
   SimulatedStrokes strokes;
   add_stationary(strokes, model.first, {0, 0}, unknown_age, model, seed);
-  for (std::size_t v = 0; v < model.first_motion.size(); ++v) {
-    const InitialMotion& seen = model.first_motion[v];
-    SimulatedPatch& simulated = strokes.list[v];
-    simulated.offset = seen.offset, simulated.offset_before = seen.offset_before;
-    simulated.gain = seen.gain, simulated.gain_before = seen.gain_before;
-  }
+  for (SimulatedPatch& simulated : strokes.list) scale_contrast(simulated.rest, std::exp(-simulated.gain));
   return strokes;
 }
 

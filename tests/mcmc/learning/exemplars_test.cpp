@@ -34,8 +34,8 @@ std::vector<graph::Event> lives_of(const std::vector<int>& frames) {
   return events;
 }
 
-std::vector<std::vector<mcmc::Deviation>> no_deviation(const graph::MotionGraph& motion) {
-  std::vector<std::vector<mcmc::Deviation>> all;
+std::vector<std::vector<double>> no_deviation(const graph::MotionGraph& motion) {
+  std::vector<std::vector<double>> all;
   for (const auto& frame : motion.sketch.frames) all.emplace_back(frame.size());
   return all;
 }
@@ -112,29 +112,14 @@ TEST_CASE("Exemplars of each size are in proportion to the strokes of all frames
   CHECK(few.size() == 24);
 }
 
-TEST_CASE("At rest a patch is where it deviates from, with the contrast of its mean", "[exemplars]") {
+TEST_CASE("An exemplar has the mean contrast of its tracks and the shape that was seen", "[exemplars]") {
   Frame frame;
   frame.line(segment({40, 50}, {60, 50}, 3));
   const auto graph = frame.graph();
-  const std::vector<mcmc::Deviation> deviation{{{1, 2}, std::log(2)}, {{0, -3}, 0}, {{0, 0}, -std::log(4)}};
-  const auto rest = mcmc::graph_at_rest(graph, deviation);
-  CHECK(rest.patch(0).position == graph::Point{39, 48});
-  CHECK(rest.patch(1).position == graph::Point{50, 53});
-  CHECK_THAT(rest.patch(0).contrast, WithinAbs(20, 1e-9));
-  CHECK_THAT(rest.patch(2).contrast, WithinAbs(160, 1e-9));
-  CHECK(rest.edges().size() == 2);
-}
-
-TEST_CASE("A patch begins with its own deviations now and before, at the usual displacement", "[exemplars]") {
-  Frame frame;
-  frame.line(segment({40, 50}, {60, 50}, 3));
-  const auto motion = test::motion({frame.graph(), frame.graph()}, {{{0, 1}, {2, 2}}});
-  const std::vector<std::vector<mcmc::Deviation>> all{{{{1, 2}, 0.1}, {{3, 4}, 0.2}, {{5, 6}, 0.3}},
-                                                      {{{-1, 1}, -0.1}, {{-2, 2}, -0.2}, {{-3, 3}, -0.3}}};
-  const auto first = mcmc::estimate_initial_motion(motion, all, 1, test::map_over(320, 240, 16, 2));
-  REQUIRE(first.size() == 3);
-  const std::vector<mcmc::InitialMotion> expected{{{-0.5, 0.5}, {-0.5, 0.5}, -0.1, -0.1},
-                                                  {{-1, 1}, {0.5, 1}, -0.2, 0.1},
-                                                  {{-1.5, 1.5}, {2.5, 3}, -0.3, 0.3}};
-  CHECK(first == expected);
+  const std::vector<double> deviation{std::log(2), 0, -std::log(4)};
+  const auto usual = mcmc::with_usual_contrast(graph, deviation);
+  for (std::uint32_t v = 0; v < 3; ++v) CHECK(usual.patch(v).position == graph.patch(v).position);
+  CHECK_THAT(usual.patch(0).contrast, WithinAbs(20, 1e-9));
+  CHECK_THAT(usual.patch(2).contrast, WithinAbs(160, 1e-9));
+  CHECK(usual.edges().size() == 2);
 }

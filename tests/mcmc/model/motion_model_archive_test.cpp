@@ -133,7 +133,6 @@ TEST_CASE("Patch types keep the numbers that they had in older models, and 4 is 
 TEST_CASE("A model holds no anchors", "[archive]") {
   auto model = test::full_model();
   model.first = {{{{0}, {}, graph::make_anchor({3, 4}, {1, 2, 3})}}, {}};
-  model.first_motion.clear();
   CHECK(test::contains(test::message_of<core::InputError>([&] { mcmc::to_archive(model); }), "an anchor"));
 }
 

@@ -300,3 +300,28 @@ TEST_CASE("A place's share of the sway scales what is seen of it", "[particles]"
     CHECK(p.list[i].age == 3);
   }
 }
+
+TEST_CASE("A stroke begins in the shape that was seen, and bends smoothly from there", "[particles]") {
+  auto model = test::empty_model();
+  model.displacement = {0.9, 0, 0, 1, 40, 0};
+  // The sway of neighbouring cells differs by a factor of 20, as it does where few tracks tell of it.
+  for (std::size_t c = 0; c < model.displacement_scale.values.size(); ++c)
+    model.displacement_scale.values[c] = c % 2 == 0 ? 0.2 : 4.0;
+  SimulatedStrokes p;
+  add_stationary(p, test::straight(30), {160, 100}, 0, model, 1);
+  const auto seen = test::straight(30);
+  for (std::size_t i = 0; i < 30; ++i)
+    CHECK(graph::distance(p.list[i].position(), seen.patch(std::uint32_t(i)).position + Point{160, 100}) < 1e-9);
+  // Beside it, at other distances from its patches.
+  add_stationary(p, test::straight(30, 0.3), {160, 110}, 0, model, 2);
+  for (std::uint32_t step = 0; step < 20; ++step) step_motion(p, model, 7, Purpose::motion, step);
+  double moved = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    const auto& me = p.list[i];
+    moved = std::max(moved, graph::distance(me.position(), me.rest.position));
+    if (i % 30 == 0) continue;
+    const Point chord = me.position() - p.list[i - 1].position();
+    CHECK(std::abs(graph::norm(chord) - 5) < 2.5);
+  }
+  CHECK(moved > 2);
+}
