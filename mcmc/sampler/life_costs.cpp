@@ -46,8 +46,14 @@ LifeCosts::LifeCosts(const ChangeField& field, const std::vector<bool>& open, co
   for (std::size_t k = 0; k < can_happen.size(); ++k) can_happen[k] = can_happen[k] || state.happened[k];
   join_strands(can_happen);
   for (std::uint32_t k = 0; k < field.changes.size(); ++k) {
+    const Change& change = field.changes[k];
+    const auto nodes = [&](const std::vector<std::uint32_t>& side) {
+      return side.empty() ? std::array{0u, 0u} : std::array{node_of_[side.front()], node_of_[side.back()]};
+    };
+    changes_.push_back(
+        {change.frame, is_birth(change), is_death(change), nodes(change.before), nodes(change.after)});
     if (!can_happen[k]) continue;
-    for (const auto* side : {&field.changes[k].before, &field.changes[k].after})
+    for (const auto* side : {&change.before, &change.after})
       for (const std::uint32_t s : *side)
         if (auto& changes = nodes_[node_of_[s]].changes; changes.empty() || changes.back() != k)
           changes.push_back(k);
@@ -89,41 +95,45 @@ void LifeCosts::join_strands(const std::vector<bool>& can_happen) {
   }
 }
 
-void LifeCosts::visit(std::span<const std::uint32_t> strands) {
-  for (const std::uint32_t s : strands)
-    if (std::uint32_t& seen = seen_[node_of_[s]]; seen != call_) seen = call_, life_.push_back(node_of_[s]);
+void LifeCosts::visit(std::uint32_t node) {
+  if (std::uint32_t& seen = seen_[node]; seen != call_) seen = call_, life_.push_back(node);
 }
 
 double LifeCosts::cost_of_life(std::uint32_t node, const ChangeState& state) {
   seen_[node] = call_;
   life_ = {node};
+  happened_.clear();
   Extent life;
   for (std::size_t i = 0; i < life_.size(); ++i) {
     const Node& one = nodes_[life_[i]];
     life.add(one.extent);
-    for (const std::uint32_t k : one.changes)
-      if (!state.happened[k] && !is_birth(field_.changes[k]) && !is_death(field_.changes[k]))
-        visit(field_.changes[k].before), visit(field_.changes[k].after);
+    for (const std::uint32_t k : one.changes) {
+      const NodesOfChange& change = changes_[k];
+      if (state.happened[k])
+        happened_.push_back(k);
+      else if (!change.is_birth && !change.is_death)
+        visit(change.before[0]), visit(change.before[1]), visit(change.after[0]), visit(change.after[1]);
+    }
     for (const std::uint32_t g : one.gaps)
       if (state.bridged[g])
-        visit(field_.changes[field_.gaps[g].death].before), visit(field_.changes[field_.gaps[g].birth].after);
+        visit(changes_[field_.gaps[g].death].before[0]), visit(changes_[field_.gaps[g].birth].after[0]);
   }
   const graph::detail::Life shape{.frames = life.frames, .patches = life.patches, .closed = life.closed};
   const bool is_thing = shape.is_thing();
   bool begins = life.comes_in, ends = life.goes_out;
   double beginning = 0, end = 0, misplaced = 0;  // costs
-  for (const std::uint32_t n : life_)
-    for (const std::uint32_t k : nodes_[n].changes) {
-      const Change& change = field_.changes[k];
-      if (!state.happened[k]) continue;
-      const auto is_here = [&](std::uint32_t s) { return seen_[node_of_[s]] == call_; };
-      const bool at_first = change.frame == life.first && std::ranges::any_of(change.after, is_here),
-                 at_last = change.frame == life.last + 1 && std::ranges::any_of(change.before, is_here);
-      begins |= at_first, ends |= at_last;
-      if (at_first) beginning = std::max(beginning, is_birth(change) ? kLifeCost : kPartCost);
-      if (at_last) end = std::max(end, is_death(change) ? kLifeCost : kPartCost);
-      if ((is_birth(change) && !at_first) || (is_death(change) && !at_last)) misplaced += kLifeCost;
-    }
+  for (const std::uint32_t k : happened_) {
+    const NodesOfChange& change = changes_[k];
+    const auto is_here = [&](std::uint32_t n) { return seen_[n] == call_; };
+    const bool at_first =
+                   !change.is_death && change.frame == life.first && std::ranges::any_of(change.after, is_here),
+               at_last = !change.is_birth && change.frame == life.last + 1 &&
+                         std::ranges::any_of(change.before, is_here);
+    begins |= at_first, ends |= at_last;
+    if (at_first) beginning = std::max(beginning, change.is_birth ? kLifeCost : kPartCost);
+    if (at_last) end = std::max(end, change.is_death ? kLifeCost : kPartCost);
+    if ((change.is_birth && !at_first) || (change.is_death && !at_last)) misplaced += kLifeCost;
+  }
   return misplaced + (is_thing || ends ? 0 : beginning) + (is_thing || begins ? 0 : end);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -50,21 +51,28 @@ class LifeCosts {
     Extent extent;
     std::vector<std::uint32_t> changes, gaps;
   };
+  struct NodesOfChange {  // a change has one or two strands on a side
+    int frame = 0;
+    bool is_birth = false, is_death = false;
+    std::array<std::uint32_t, 2> before{}, after{};  // the same twice for one strand
+  };
   void join_strands(const std::vector<bool>& can_happen);
   /// Calls take(node, cost) for each life that holds one of these strands; life_ are its nodes.
   template <class Take>
   void for_lives(std::span<const std::uint32_t> strands, const ChangeState& state, const Take& take);
   double cost_of_life(std::uint32_t node, const ChangeState& state);
-  void visit(std::span<const std::uint32_t> strands);
+  void visit(std::uint32_t node);
 
   const ChangeField& field_;
   std::vector<std::uint32_t> node_of_;  // each strand
   std::vector<Node> nodes_;
+  std::vector<NodesOfChange> changes_;
   std::vector<std::uint32_t> seen_;  // in which call each node was seen last
   std::uint32_t call_ = 0;
-  std::vector<std::uint32_t> life_;     // nodes
-  std::vector<std::uint32_t> life_of_;  // each node: the node that stands for its life, as noted
-  std::vector<double> cost_;            // of the life that a node stands for
+  std::vector<std::uint32_t> life_;      // nodes
+  std::vector<std::uint32_t> happened_;  // changes of its nodes, some of them twice
+  std::vector<std::uint32_t> life_of_;   // each node: the node that stands for its life, as noted
+  std::vector<double> cost_;             // of the life that a node stands for
 };
 
 }  // namespace emberfold::mcmc::detail

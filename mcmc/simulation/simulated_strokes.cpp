@@ -6,7 +6,6 @@
 #include <numbers>
 #include <tuple>
 
-#include "graph/matching/point_grid.hpp"
 #include "mcmc/learning/stroke_places.hpp"
 #include "mcmc/simulation/rounding.hpp"
 #include "mcmc/simulation/smooth_noise.hpp"
@@ -181,16 +180,13 @@ namespace {
 // own, so that the stroke keeps its shape. At h px from that patch deviations are mixed with the correlation
 // exp(−h²/2 range²); their variance is unchanged.
 void copy_neighbour_motion(SimulatedStrokes& fresh, const SimulatedStrokes& there, const MotionModel& model) {
-  std::vector<Point> places;
-  for (const auto& simulated : there.list) places.push_back(simulated.rest.position);
   const double reach = 3 * std::max({model.displacement.range, model.contrast.range, 1.0});
-  const graph::detail::PointGrid near(places, reach);
   double least = reach * reach;
   const SimulatedPatch* nearest = nullptr;
   for (const SimulatedPatch& me : fresh.list)
-    for (const auto j : near.find_near(me.rest.position)) {
-      const Point apart = places[j] - me.rest.position;
-      if (graph::dot(apart, apart) < least) least = graph::dot(apart, apart), nearest = &there.list[j];
+    for (const SimulatedPatch& other : there.list) {
+      const Point apart = other.rest.position - me.rest.position;
+      if (graph::dot(apart, apart) < least) least = graph::dot(apart, apart), nearest = &other;
     }
   if (!nearest) return;
   for (SimulatedPatch& me : fresh.list) {
