@@ -2,15 +2,11 @@
 #include "pipeline/inference/event_paths.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
-
-#include "graph/events/joints.hpp"
 
 namespace emberfold::pipeline {
 
@@ -19,11 +15,9 @@ using graph::Point;
 
 namespace {
 
-constexpr double kSlip = 9;                        // px along the curve of tolerance for a link
-constexpr double kSameEnds = 4;                    // px between propagated and followed ends
-constexpr std::array kOtherFrames = {1, 2, 4, 7};  // from the event, in which the strokes may also be joined
-constexpr double kDetour = 15;                     // px by which a path there may be longer
-constexpr double kPatchesApart = 6;                // px between patches of a refined path
+constexpr double kSlip = 9;          // px along the curve of tolerance for a link
+constexpr double kSameEnds = 4;      // px between propagated and followed ends
+constexpr double kPatchesApart = 6;  // px between patches of a refined path
 
 Point tangent(const Patch& patch) {
   return {std::cos(patch.theta), std::sin(patch.theta)};
@@ -144,39 +138,6 @@ bool are_in_same_places(const Path& a, const Path& b) {
   });
 }
 
-double length_of(const Path& path) {
-  double length = 0;
-  for (std::size_t i = 1; i < path.size(); ++i) length += distance(path[i].position, path[i - 1].position);
-  return length;
-}
-
-/// A path that joins two strokes in one frame, propagated, and its ends, followed.
-struct JoiningPath {
-  Course<Path> carried;
-  Course<Followed> front, back;
-};
-
-/// Adds guesses of the path in a frame: propagated, if its ends agree with those followed, and fitted to
-/// them.
-void add_guesses(const JoiningPath& joining, int frame, std::vector<Path>& guesses) {
-  const Path& carried = joining.carried[frame];
-  const Point front = joining.front[frame].patch.position - carried.front().position,
-              back = joining.back[frame].patch.position - carried.back().position;
-  if (norm(front) < kSameEnds && norm(back) < kSameEnds) guesses.push_back(refine(carried));
-  guesses.push_back(refine(move_ends(carried, front, back)));
-}
-
-/// Finds the path between two vertices of a frame, if its length is at most `longest`.
-std::optional<std::vector<std::uint32_t>> find_path(const graph::AttributeGraph& graph, std::uint32_t from,
-                                                    std::uint32_t to, double longest) {
-  graph::detail::ShortestPaths paths(graph);
-  paths.search(std::span(&from, 1));
-  if (!(paths.distance(to) <= longest)) return std::nullopt;
-  auto path = paths.path_to_source(to);
-  std::ranges::reverse(path);
-  return path;
-}
-
 }  // namespace
 
 std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, const MotionIndex& motion,
@@ -206,22 +167,17 @@ std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, co
     }
     return guesses;
   }
-  std::vector<JoiningPath> joinings;
-  const auto add = [&](const std::vector<std::uint32_t>& way, int t) {
-    joinings.push_back({follower.carry(follower.path_of(way, t), t), follower.follow(way.front(), t),
-                        follower.follow(way.back(), t)});
-  };
-  add(vertices, frame);
-  const int away = type == merge || type == connect ? 1 : -1;
-  for (const int frames : kOtherFrames) {
-    const int t = frame + away * frames;
-    if (t < first || t > last) continue;
-    const auto front = joinings.front().front[t].vertex, back = joinings.front().back[t].vertex;
-    if (!front || !back) continue;
-    if (const auto way = find_path(motion.graph(t), *front, *back, length_of(path) + kDetour)) add(*way, t);
+  // The path between two parts: propagated, if its ends agree with those followed, and fitted to them.
+  const auto whole = follower.carry(path, frame);
+  const auto fronts = follower.follow(vertices.front(), frame),
+             backs = follower.follow(vertices.back(), frame);
+  for (int t = first; t <= last; ++t) {
+    const Path& carried = whole[t];
+    const Point front = fronts[t].patch.position - carried.front().position,
+                back = backs[t].patch.position - carried.back().position;
+    if (norm(front) < kSameEnds && norm(back) < kSameEnds) guesses_of(t).push_back(refine(carried));
+    guesses_of(t).push_back(refine(move_ends(carried, front, back)));
   }
-  for (int t = first; t <= last; ++t)
-    for (const JoiningPath& joining : joinings) add_guesses(joining, t, guesses_of(t));
   return guesses;
 }
 

@@ -17,8 +17,7 @@ using Path = std::vector<graph::Patch>;
 /// Returns a few guesses for each frame. Patches are propagated by the optical flow; where a frame's graph
 /// has such patches they correct the place, across the curve alone, since patches of one curve look alike
 /// along it. The path that joins two strokes is kept between their ends as they move, so that it spans the
-/// gap where they are apart; where they are also joined in other frames, the paths there are added. O(frames²
-/// · patches).
+/// gap where they are apart. O(frames · patches).
 std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, const MotionIndex& motion,
                                             const FrameWindow& window, int first, int last);
 
