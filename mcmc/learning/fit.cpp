@@ -87,9 +87,8 @@ graph::AttributeGraph typical_frame(const graph::MotionGraph& motion) {
   double mean = 0;
   for (const auto& graph : frames) mean += static_cast<double>(graph.size());
   mean /= static_cast<double>(frames.size());
-  const auto found = std::ranges::min_element(frames, {}, [&](const auto& graph) {
-    return std::abs(static_cast<double>(graph.size()) - mean);
-  });
+  const auto found = std::ranges::min_element(
+      frames, {}, [&](const auto& graph) { return std::abs(static_cast<double>(graph.size()) - mean); });
   return with_usual_contrast(*found, std::vector<double>(found->size()));
 }
 

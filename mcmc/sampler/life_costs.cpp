@@ -125,8 +125,8 @@ double LifeCosts::cost_of_life(std::uint32_t node, const ChangeState& state) {
   for (const std::uint32_t k : happened_) {
     const NodesOfChange& change = changes_[k];
     const auto is_here = [&](std::uint32_t n) { return seen_[n] == call_; };
-    const bool at_first =
-                   !change.is_death && change.frame == life.first && std::ranges::any_of(change.after, is_here),
+    const bool at_first = !change.is_death && change.frame == life.first &&
+                          std::ranges::any_of(change.after, is_here),
                at_last = !change.is_birth && change.frame == life.last + 1 &&
                          std::ranges::any_of(change.before, is_here);
     begins |= at_first, ends |= at_last;

@@ -403,20 +403,14 @@ void apply_births(OperatorFrame& scene, std::uint64_t seed) {
 
 std::array<int, 6> apply_operators(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
                                    std::uint32_t frame) {
-  auto graph_now = stroke_graph(strokes);
+  const auto graph_now = stroke_graph(strokes);
   auto parts = graph::components(graph_now);
   CellMap density = relative_density(graph_now, model.density);
   // Shifted like the keys of the noise, so that no key is used twice.
   const core::Rng rng(seed, {frame, 0, static_cast<std::uint32_t>(Purpose::operators) << 1U});
-  OperatorFrame scene{strokes,
-                      model,
-                      rng,
-                      std::move(graph_now),
-                      std::move(parts),
-                      static_cast<double>(frame),
-                      std::move(density),
-                      {},
-                      {}};
+  OperatorFrame scene{
+      strokes, model, rng, graph_now, std::move(parts), static_cast<double>(frame), std::move(density),
+      {},      {}};
   scene.busy.resize(scene.parts.count);
   for (Index v = 0; v < scene.graph.size(); ++v)
     if (strokes.list[v].frames_left >= 0) scene.mark_busy(v);

@@ -79,9 +79,9 @@ TEST_CASE("One stroke makes a model that keeps it", "[fit]") {
   CHECK(graph::components(model.first).count == 1);
   // It begins with one of the clip's frames, in its shape.
   CHECK(std::ranges::any_of(clip.sketch.frames, [&](const auto& frame) {
-    return std::ranges::equal(frame.vertices(), model.first.vertices(), {},
-                              [](const auto& v) { return v.patch.position; },
-                              [](const auto& v) { return v.patch.position; });
+    return std::ranges::equal(
+        frame.vertices(), model.first.vertices(), {}, [](const auto& v) { return v.patch.position; },
+        [](const auto& v) { return v.patch.position; });
   }));
   for (const auto& graph : mcmc::synthesize(model, 100, 3).sketch.frames)
     CHECK(graph::components(graph).count == 1);

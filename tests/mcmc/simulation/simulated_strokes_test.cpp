@@ -68,7 +68,8 @@ TEST_CASE("The noise has variance 1 and correlates along a stroke as it should",
   }
   const auto correlation = [&](std::size_t i, std::size_t c, std::size_t j, std::size_t d, int lag) {
     return mean(n - lag, [&](int t) {
-      return draws[static_cast<std::size_t>(t)][i][c] * draws[static_cast<std::size_t>(t + lag)][j][d];
+      return draws[static_cast<std::size_t>(t)][i][c] *
+             draws[static_cast<std::size_t>(t) + static_cast<std::size_t>(lag)][j][d];
     });
   };
   const auto should = [&](double h) { return std::exp(-h * h / (2 * range * range)); };
@@ -135,7 +136,7 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
   model.contrast = {0.5, 0.2, 0, 0.1, law.range, 0};
   std::vector<std::vector<Point>> strokes;
   for (int i = 0; i < 6000; ++i) {  // so far from each other that they know nothing of each other
-    const Point at{250.0 * (i % 80), 250.0 * (i / 80)};
+    const Point at{250.0 * (i % 80), 250.0 * static_cast<double>(i / 80)};
     strokes.push_back({at, at + Point{5, 0}});
   }
   auto p = particles(strokes);
@@ -311,7 +312,8 @@ TEST_CASE("A stroke begins in the shape that was seen, and bends smoothly from t
   add_stationary(p, test::straight(30), {160, 100}, 0, model, 1);
   const auto seen = test::straight(30);
   for (std::size_t i = 0; i < 30; ++i)
-    CHECK(graph::distance(p.list[i].position(), seen.patch(std::uint32_t(i)).position + Point{160, 100}) < 1e-9);
+    CHECK(graph::distance(p.list[i].position(), seen.patch(std::uint32_t(i)).position + Point{160, 100}) <
+          1e-9);
   // Beside it, at other distances from its patches.
   add_stationary(p, test::straight(30, 0.3), {160, 110}, 0, model, 2);
   for (std::uint32_t step = 0; step < 20; ++step) step_motion(p, model, 7, Purpose::motion, step);
