@@ -51,10 +51,11 @@ TEST_CASE("Reconciled events make as many strokes as they take", "[census]") {
 
 TEST_CASE("A model can be balanced to what is wanted", "[census][heavy]") {
   auto model = test::empty_model();
-  for (int i = 0; i < 12; ++i)
-    model.exemplars.push_back({test::straight(i % 2 == 0 ? 6 : 12, 0.5 * i),
-                               {40 + 75.0 * (i % 4), 50 + 70.0 * static_cast<double>(i / 4)},
-                               8});
+  for (int i = 0; i < 12; ++i) {
+    const int column = i % 4, row = i / 4;
+    model.exemplars.push_back(
+        {test::straight(i % 2 == 0 ? 6 : 12, 0.5 * i), {40 + 75.0 * column, 50 + 70.0 * row}, 8});
+  }
   model.rates.birth_by_size = {0, 0.5, 0.5, 0, 0, 0, 0};
   for (double& value : model.rates.birth.values) value = 0.3 / (320 * 240);
   model.rates.death_by_size.fill(0.1);

@@ -136,7 +136,8 @@ TEST_CASE("Particles are settled in the stationary state and stay in it", "[part
   model.contrast = {0.5, 0.2, 0, 0.1, law.range, 0};
   std::vector<std::vector<Point>> strokes;
   for (int i = 0; i < 6000; ++i) {  // so far from each other that they know nothing of each other
-    const Point at{250.0 * (i % 80), 250.0 * static_cast<double>(i / 80)};
+    const int column = i % 80, row = i / 80;
+    const Point at{250.0 * column, 250.0 * row};
     strokes.push_back({at, at + Point{5, 0}});
   }
   auto p = particles(strokes);
