@@ -108,8 +108,8 @@ struct MotionModel {
   OperatorRates rates;
   HardCoreDistances hard_core;
   CellMap density;                    ///< usual number of patches around each cell; guides births
-  std::array<double, 8> appearing{};  ///< share of the contrast so many frames after birth
-  std::array<double, 8> vanishing{};  ///< share of the contrast so many frames before death
+  std::array<double, 8> appearing{};  ///< contrast 0, 1, … 7 frames after a birth, over the usual one
+  std::array<double, 8> vanishing{};  ///< contrast with 0, 1, … 7 frames left to live, over the usual one
   std::vector<Exemplar> exemplars;    ///< strokes to be born
   graph::AttributeGraph first;        ///< strokes of the first frame, as they were seen
 

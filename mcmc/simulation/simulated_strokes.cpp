@@ -176,9 +176,9 @@ void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::
 
 namespace {
 
-// Makes a stroke that appears beside others move as these do: as the one patch that is nearest to any of its
-// own, so that the stroke keeps its shape. At h px from that patch deviations are mixed with the correlation
-// exp(−h²/2 range²); their variance is unchanged.
+// Lets a new stroke move like the strokes beside it. Its deviations are mixed with those of the one nearest
+// patch, so that the stroke keeps its shape, with the correlation exp(−h²/2 range²) at h px from that patch;
+// their variance is unchanged.
 void copy_neighbour_motion(SimulatedStrokes& fresh, const SimulatedStrokes& there, const MotionModel& model) {
   const double reach = 3 * std::max({model.displacement.range, model.contrast.range, 1.0});
   double least = reach * reach;

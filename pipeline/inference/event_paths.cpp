@@ -85,11 +85,6 @@ class EventFollower {
               return carried;
             }};
   }
-  [[nodiscard]] Path path_of(const std::vector<std::uint32_t>& vertices, int frame) const {
-    Path path;
-    for (const std::uint32_t v : vertices) path.push_back(motion_.graph(frame).patch(v));
-    return path;
-  }
 
  private:
   const MotionIndex& motion_;
@@ -146,10 +141,12 @@ std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, co
   const graph::EventType type = traced.event.type;
   const int frame = traced.path_frame;
   std::vector<std::uint32_t> vertices;
-  for (const graph::VertexId id : traced.path)
+  Path path;
+  for (const graph::VertexId id : traced.path) {
     vertices.push_back(static_cast<std::uint32_t>(motion.graph(frame).index_of(id)));
+    path.push_back(motion.graph(frame).patch(vertices.back()));
+  }
   const EventFollower follower(motion, window, first, last);
-  const Path path = follower.path_of(vertices, frame);
   std::vector<std::vector<Path>> guesses(static_cast<std::size_t>(last - first + 1));
   const auto guesses_of = [&](int t) -> std::vector<Path>& {
     return guesses[static_cast<std::size_t>(t - first)];
