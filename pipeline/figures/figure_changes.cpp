@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "core/parallel.hpp"
@@ -13,10 +12,6 @@ namespace emberfold::pipeline {
 using graph::EventType;
 
 namespace {
-
-constexpr std::size_t kUndoneFrames = 3;  // frames that a state lasts
-constexpr double kUndoneReach = 12;       // px
-constexpr int kContactBorder = 2;         // px, nearer to which half of a contact lies outside
 
 /// Returns where `part` meets the rest of the region `whole` of a neighbouring frame: both grow in it from
 /// where they are carried to, and meet half way.
@@ -66,31 +61,6 @@ cv::Point2d contact(const FigureRegions& all, std::size_t polarity, std::size_t 
   return pairs > 0 ? sum / double(pairs) : of.centre;
 }
 
-bool undo(EventType first, EventType second) {
-  return (first == EventType::split && second == EventType::merge) ||
-         (first == EventType::merge && second == EventType::split) ||
-         (first == EventType::death && second == EventType::birth);
-}
-
-/// Leaves out pairs of changes that undo one another.
-std::vector<FigureChange> without_undone(std::vector<FigureChange> changes) {
-  std::ranges::sort(changes, {}, [](const FigureChange& c) {
-    return std::tuple(c.frame, c.type, c.at.x, c.at.y, c.whole, c.part);
-  });
-  std::vector<char> undone(changes.size(), 0);
-  for (std::size_t i = 0; i < changes.size(); ++i)
-    for (std::size_t j = i + 1; j < changes.size() && undone[i] == 0; ++j) {
-      if (changes[j].frame - changes[i].frame >= kUndoneFrames) break;
-      if (undone[j] == 0 && undo(changes[i].type, changes[j].type) &&
-          cv::norm(changes[i].at - changes[j].at) < kUndoneReach)
-        undone[i] = undone[j] = 1;
-    }
-  std::vector<FigureChange> left;
-  for (std::size_t i = 0; i < changes.size(); ++i)
-    if (undone[i] == 0) left.push_back(changes[i]);
-  return left;
-}
-
 }  // namespace
 
 std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::size_t polarity,
@@ -129,10 +99,7 @@ std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::siz
     FigureChange& change = changes[k];
     if (change.whole != change.part) change.at = contact(all, polarity, change.whole, change.part, ground);
   });
-  const cv::Rect2d inside(kContactBorder, kContactBorder, ground.view.size.width - 2 * kContactBorder,
-                          ground.view.size.height - 2 * kContactBorder);
-  std::erase_if(changes, [&](const FigureChange& c) { return c.whole != c.part && !inside.contains(c.at); });
-  return without_undone(std::move(changes));
+  return changes;
 }
 
 }  // namespace emberfold::pipeline

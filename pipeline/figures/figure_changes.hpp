@@ -19,7 +19,7 @@ struct FigureChange {
   std::size_t whole = 0, part = 0;                  ///< regions: of a split or merge both, else the same
 };
 
-/// Finds the changes of a polarity's figures. Those that undo one another within 3 frames and 12 px are none.
+/// Finds the changes of a polarity's figures.
 std::vector<FigureChange> find_figure_changes(const FigureRegions& all, std::size_t polarity,
                                               const FigureGround& ground, const core::Context& context);
 

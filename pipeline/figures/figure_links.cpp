@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <set>
 #include <utility>
 
 #include "core/parallel.hpp"
@@ -14,7 +14,6 @@ namespace emberfold::pipeline {
 
 namespace {
 
-constexpr double kLeastShare = 0.15;   // of the smaller region's area that overlaps
 constexpr double kLeastNats = 0.7;     // a pixel, that two levels explain more than a plane does
 constexpr double kCorrelated = 2;      // px of an outline that are one observation
 constexpr double kChange = 15;         // nats
@@ -24,12 +23,7 @@ constexpr double kGround = -1e6;       // nats that ground gains: it is never a 
 
 using Link = std::pair<std::size_t, std::size_t>;  // a region, one of the next frame
 
-/// Overlap of two regions.
-struct Overlap {
-  double pixels = 0;
-  bool holds_disc = false;  ///< one of kWideDisc
-};
-using Overlaps = std::map<Link, Overlap>;
+using Links = std::set<Link>;
 
 /// Returns what each pixel of a frame's regions moves into in a neighbouring frame (numbers as
 /// region_numbers).
@@ -44,37 +38,18 @@ cv::Mat1i carried_to(const cv::Mat1i& numbers, const cv::Mat1i& there, const Fig
   return to;
 }
 
-/// Adds half of the pixels of a frame's regions (`numbers`) that move into regions of a neighbouring one
-/// (`to`).
-void count_overlap(const cv::Mat1i& numbers, const cv::Mat1i& to, bool forwards, Overlaps& overlaps) {
-  static const std::array kRing = {cv::Point(3, 0),  cv::Point(2, 2),   cv::Point(0, 3),  cv::Point(-2, 2),
-                                   cv::Point(-3, 0), cv::Point(-2, -2), cv::Point(0, -3), cv::Point(2, -2)};
-  static_assert(kWideDisc == 6);
-  const cv::Rect frame({0, 0}, numbers.size());
-  for (int y = 0; y < numbers.rows; ++y)
-    for (int x = 0; x < numbers.cols; ++x) {
-      if (to(y, x) == 0) continue;
-      const auto a = static_cast<std::size_t>(numbers(y, x) - 1), b = static_cast<std::size_t>(to(y, x) - 1);
-      Overlap& overlap = overlaps[forwards ? Link{a, b} : Link{b, a}];
-      overlap.pixels += 0.5;
-      overlap.holds_disc = overlap.holds_disc || std::ranges::all_of(kRing, [&](cv::Point step) {
-                             const cv::Point at = cv::Point(x, y) + step;
-                             return frame.contains(at) && numbers(at) == numbers(y, x) && to(at) == to(y, x);
-                           });
-    }
-}
-
-Overlaps links_between(const FigureRegions& all, std::size_t p, std::size_t t, const FigureGround& ground) {
+/// Returns the links of regions that overlap where the flow carries the ones onto the others.
+Links links_between(const FigureRegions& all, std::size_t p, std::size_t t, const FigureGround& ground) {
   const cv::Mat1i before = region_numbers(all, p, t), after = region_numbers(all, p, t + 1);
-  Overlaps links;
-  count_overlap(before, carried_to(before, after, ground.to[t]), true, links);
-  count_overlap(after, carried_to(after, before, ground.from[t + 1]), false, links);
-  const std::vector<FigureRegion>& regions = all.of[p].regions;
-  std::erase_if(links, [&](const auto& item) {
-    const auto& [link, overlap] = item;
-    return !overlap.holds_disc &&
-           overlap.pixels < kLeastShare * std::min(regions[link.first].area, regions[link.second].area);
-  });
+  const cv::Mat1i onto_after = carried_to(before, after, ground.to[t]),
+                  onto_before = carried_to(after, before, ground.from[t + 1]);
+  const auto region = [](int number) { return static_cast<std::size_t>(number - 1); };
+  Links links;
+  for (int y = 0; y < before.rows; ++y)
+    for (int x = 0; x < before.cols; ++x) {
+      if (onto_after(y, x) != 0) links.emplace(region(before(y, x)), region(onto_after(y, x)));
+      if (onto_before(y, x) != 0) links.emplace(region(onto_before(y, x)), region(after(y, x)));
+    }
   return links;
 }
 
@@ -87,18 +62,11 @@ class LinkedRegions {
     is_hollow_ = turns <= kHollow * absolute;
   }
 
-  /// Adds the links of a gap. Of those that may be errors, the weakest with others at both ends go; sure ones
-  /// stay there: a part may leave one figure and join another at once.
-  void add(const Overlaps& links) {
-    std::vector<std::pair<double, Link>> weakest;
-    for (const auto& [link, overlap] : links) {
+  void add(const Links& links) {
+    for (const Link& link : links) {
       regions_[link.first].next.push_back(link.second);
       regions_[link.second].before.push_back(link.first);
-      if (!overlap.holds_disc) weakest.emplace_back(overlap.pixels, link);
     }
-    std::ranges::sort(weakest);
-    for (const auto& [pixels, link] : weakest)
-      if (regions_[link.first].next.size() > 1 && regions_[link.second].before.size() > 1) cut(link);
   }
 
   /// Removes chains that do not explain the frames.
@@ -177,7 +145,7 @@ class LinkedRegions {
 void link_figure_regions(FigureRegions& all, const FigureGround& ground, const graph::SketchSequence& lines,
                          const core::Context& context) {
   const std::size_t frames = all.labels.size();
-  std::vector<std::array<Overlaps, kFigurePolarities.size()>> links(frames - 1);
+  std::vector<std::array<Links, kFigurePolarities.size()>> links(frames - 1);
   core::parallel_for(links.size(), context, [&](std::size_t t) {
     for (std::size_t p = 0; p < all.of.size(); ++p) links[t][p] = links_between(all, p, t, ground);
   });

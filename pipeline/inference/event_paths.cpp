@@ -127,12 +127,6 @@ Path move_ends(Path path, Point front, Point back) {
   return path;
 }
 
-bool are_in_same_places(const Path& a, const Path& b) {
-  return std::ranges::equal(a, b, [](const Patch& p, const Patch& q) {
-    return p.position.x == q.position.x && p.position.y == q.position.y && p.theta == q.theta;
-  });
-}
-
 }  // namespace
 
 std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, const MotionIndex& motion,
@@ -140,34 +134,24 @@ std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, co
   using enum graph::EventType;
   const graph::EventType type = traced.event.type;
   const int frame = traced.path_frame;
-  std::vector<std::uint32_t> vertices;
+  const graph::AttributeGraph& graph = motion.graph(frame);
+  const auto vertex = [&](graph::VertexId id) { return static_cast<std::uint32_t>(graph.index_of(id)); };
   Path path;
-  for (const graph::VertexId id : traced.path) {
-    vertices.push_back(static_cast<std::uint32_t>(motion.graph(frame).index_of(id)));
-    path.push_back(motion.graph(frame).patch(vertices.back()));
-  }
+  for (const graph::VertexId id : traced.path) path.push_back(graph.patch(vertex(id)));
   const EventFollower follower(motion, window, first, last);
   std::vector<std::vector<Path>> guesses(static_cast<std::size_t>(last - first + 1));
   const auto guesses_of = [&](int t) -> std::vector<Path>& {
     return guesses[static_cast<std::size_t>(t - first)];
   };
 
+  const Course<Path> whole = follower.carry(path, frame);
   if (type == birth || type == death) {
-    const Course<Path> carried = follower.carry(path, frame);
-    std::vector<Course<Followed>> each;
-    for (const std::uint32_t v : vertices) each.push_back(follower.follow(v, frame));
-    for (int t = first; t <= last; ++t) {
-      Path followed;
-      for (const auto& course : each) followed.push_back(course[t].patch);
-      guesses_of(t) = {carried[t]};
-      if (!are_in_same_places(followed, carried[t])) guesses_of(t).push_back(std::move(followed));
-    }
+    for (int t = first; t <= last; ++t) guesses_of(t) = {whole[t]};
     return guesses;
   }
   // The path between two parts: propagated, if its ends agree with those followed, and fitted to them.
-  const auto whole = follower.carry(path, frame);
-  const auto fronts = follower.follow(vertices.front(), frame),
-             backs = follower.follow(vertices.back(), frame);
+  const auto fronts = follower.follow(vertex(traced.path.front()), frame),
+             backs = follower.follow(vertex(traced.path.back()), frame);
   for (int t = first; t <= last; ++t) {
     const Path& carried = whole[t];
     const Point front = fronts[t].patch.position - carried.front().position,

@@ -13,11 +13,11 @@ namespace emberfold::pipeline {
 /// Patches along a curve, from one end to the other.
 using Path = std::vector<graph::Patch>;
 
-/// Finds the places of an event's patches in each of the frames first…last, whether or not they show there.
-/// Returns a few guesses for each frame. Patches are propagated by the optical flow; where a frame's graph
-/// has such patches they correct the place, across the curve alone, since patches of one curve look alike
-/// along it. The path that joins two strokes is kept between their ends as they move, so that it spans the
-/// gap where they are apart. O(frames · patches).
+/// Finds the places of an event's patches in each of the frames first…last, whether or not they show there:
+/// one path of a birth or death, one or two of a joint. Patches are carried by the optical flow. The path of
+/// a joint is also stretched between its ends as they move, so that it spans the gap where two strokes are
+/// apart: where a frame's graph has a patch of an end, it corrects the place, across the curve alone, since
+/// patches of one curve look alike along it. O(frames · patches).
 std::vector<std::vector<Path>> follow_event(const graph::TracedEvent& traced, const MotionIndex& motion,
                                             const FrameWindow& window, int first, int last);
 
