@@ -176,9 +176,9 @@ void draw_stationary_motion(SimulatedStrokes& p, const MotionModel& model, std::
 
 namespace {
 
-// Lets a new stroke move like the strokes beside it. Its deviations are mixed with those of the one nearest
-// patch, so that the stroke keeps its shape, with the correlation exp(−h²/2 range²) at h px from that patch;
-// their variance is unchanged.
+// Makes a new stroke move with the strokes next to it: mixes the deviations of its patches with those of the
+// nearest patch of another stroke, one for all of them, so that the stroke keeps its shape. The correlation
+// is exp(−h²/2 range²) for a patch h px away from that one; the variance is unchanged.
 void copy_neighbour_motion(SimulatedStrokes& fresh, const SimulatedStrokes& there, const MotionModel& model) {
   const double reach = 3 * std::max({model.displacement.range, model.contrast.range, 1.0});
   double least = reach * reach;

@@ -22,7 +22,6 @@ constexpr double kHollow = -0.5;       // turns by absolute turns: outlines of g
 constexpr double kGround = -1e6;       // nats that ground gains: it is never a figure
 
 using Link = std::pair<std::size_t, std::size_t>;  // a region, one of the next frame
-
 using Links = std::set<Link>;
 
 /// Returns what each pixel of a frame's regions moves into in a neighbouring frame (numbers as

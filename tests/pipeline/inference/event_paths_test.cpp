@@ -2,6 +2,8 @@
 #include "pipeline/inference/event_paths.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
