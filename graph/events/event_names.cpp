@@ -8,7 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include "graph/events/fading.hpp"
 #include "graph/events/joints.hpp"
 
 namespace emberfold::graph {
@@ -17,17 +16,16 @@ namespace {
 
 constexpr int kBreak = 3;  // frames without a contact between two with it
 
-/// Tells of a frame's vertices whether they lie near an end, or will (did) as soon as what fades is gone.
+/// Tells of a frame's vertices whether they lie near an end.
 class EndsOf {
  public:
   explicit EndsOf(const MotionGraph& motion) : motion_(motion) {}
-  bool near_end(std::size_t t, bool ahead, std::uint32_t vertex) {
-    if (frame_ != t || ahead_ != ahead) {
+  bool near_end(std::size_t t, std::uint32_t vertex) {
+    if (frame_ != t) {
       const AttributeGraph& graph = motion_.sketch.frames[t];
       detail::ShortestPaths paths(graph);
       near_end_ = detail::find_vertices_near_ends(graph, paths);
-      detail::mark_fading_ends(graph, detail::staying_patches(motion_, t, ahead), near_end_);
-      frame_ = t, ahead_ = ahead;
+      frame_ = t;
     }
     return near_end_[vertex];
   }
@@ -35,7 +33,6 @@ class EndsOf {
  private:
   const MotionGraph& motion_;
   std::size_t frame_ = ~std::size_t{0};  ///< none yet
-  bool ahead_ = false;
   std::vector<bool> near_end_;
 };
 
@@ -55,7 +52,7 @@ Contact contact_of(const MotionGraph& motion, const TracedEvent& traced, EndsOf&
   int tips = 0;
   for (const VertexId id : {traced.path.front(), traced.path.back()}) {
     const auto other = partner(motion, id, whole, unites);
-    if (other && ends.near_end(unites ? whole - 1 : whole + 1, !unites, *other)) ++tips;
+    if (other && ends.near_end(unites ? whole - 1 : whole + 1, *other)) ++tips;
   }
   return tips == 2 ? Contact::tip_tip : tips == 1 ? Contact::tip_side : Contact::side_side;
 }

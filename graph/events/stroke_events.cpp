@@ -9,7 +9,6 @@
 #include <boost/pending/disjoint_sets.hpp>
 
 #include "graph/events/events.hpp"
-#include "graph/events/fading.hpp"
 #include "graph/events/joints.hpp"
 #include "graph/matching/frame_links.hpp"
 
@@ -140,6 +139,25 @@ void leave_out_fading(LinkedVertices& linked, const std::vector<std::vector<std:
   }
 }
 
+/// Returns which patches of a frame are there in the next one, too (`ahead`), or were in the one before.
+/// Beyond the clip's ends all are, and so is one alone among patches that are: where a curve is cut into
+/// patches anew their number varies by one.
+std::vector<bool> staying_patches(const MotionGraph& motion, std::size_t frame, bool ahead) {
+  const AttributeGraph& graph = motion.sketch.frames[frame];
+  if (ahead ? frame + 1 == motion.sketch.frames.size() : frame == 0)
+    return std::vector<bool>(graph.size(), true);
+  std::vector<bool> is_linked(graph.size(), false);
+  for (const Link& link : motion.links[ahead ? frame + 1 : frame])
+    is_linked[graph.index_of(ahead ? link.before : link.after)] = true;
+  std::vector<bool> stays(graph.size());
+  for (std::uint32_t v = 0; v < graph.size(); ++v) {
+    const auto near = graph.neighbours(v);
+    stays[v] = is_linked[v] ||
+               (!near.empty() && std::ranges::all_of(near, [&](std::uint32_t w) { return is_linked[w]; }));
+  }
+  return stays;
+}
+
 void add_frame_events(const FrameParts& before, const FrameParts& after, const MotionGraph& motion, int frame,
                       std::vector<TracedEvent>& events) {
   const auto t = static_cast<std::size_t>(frame);
@@ -154,11 +172,8 @@ void add_frame_events(const FrameParts& before, const FrameParts& after, const M
   std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) {
     return std::tie(a.before, a.after) < std::tie(b.before, b.after);
   });
-  const auto was_there_before = detail::staying_patches(motion, t - 1, false),
-             goes_on_after = detail::staying_patches(motion, t, true);
-  auto ends_before = before.near_end, ends_after = after.near_end;
-  detail::mark_fading_ends(*before.graph, was_there_before, ends_before);
-  detail::mark_fading_ends(*after.graph, goes_on_after, ends_after);
+  const auto was_there_before = staying_patches(motion, t - 1, false),
+             goes_on_after = staying_patches(motion, t, true);
   LinkedVertices of_before(before.parts.count), of_after(after.parts.count);
   std::vector<std::vector<std::uint32_t>> partners_of_before(before.parts.count),
       partners_of_after(after.parts.count);
@@ -168,8 +183,8 @@ void add_frame_events(const FrameParts& before, const FrameParts& after, const M
         kept.begin(), kept.end(), std::tie(a, b),
         [](const auto& pair, const auto& key) { return std::tie(pair.before, pair.after) < key; });
     if (at == kept.end() || at->before != a || at->after != b) continue;
-    of_before[a].push_back({i, b, ends_after[j]});
-    of_after[b].push_back({j, a, ends_before[i]});
+    of_before[a].push_back({i, b, after.near_end[j]});
+    of_after[b].push_back({j, a, before.near_end[i]});
     partners_of_before[a].push_back(j);
     partners_of_after[b].push_back(i);
   }

@@ -58,8 +58,6 @@ std::vector<double> frame_evidence(const ChangeSeries& series) {
   for (std::size_t i = 0; i < series.amplitude.size(); ++i) {
     double nats = tuning::kPerMeasurement * series.weight * log_ratio(series.amplitude[i], series.level);
     const bool there = series.appears ? i >= series.at : i < series.at;
-    const std::size_t away = i >= series.at ? i - series.at : series.at - 1 - i;
-    if (there && series.followed > 0 && away >= series.followed) nats = std::max(nats, 0.0);
     nats = std::clamp(nats, -tuning::kMostOfFrame, tuning::kMostOfFrame);
     if (!series.in_view.empty()) nats *= series.in_view[i];
     result.push_back(nats + (there ? tuning::kOfReading : -tuning::kOfReading));

@@ -18,9 +18,6 @@ struct ChangeSeries {
   /// Index of the first frame after the change as it was read from the graphs, 1…size − 1.
   std::size_t at = 1;
   bool appears = true;  ///< they are there from `at` on; else before it
-  /// Frames next to the change in which their absence counts where they should be there; beyond, only
-  /// presence counts, since they are lost from view when what they joined moves on.
-  std::size_t followed = 0;  ///< 0: in all frames
 };
 
 /// Largest log_change_factor(), nats.

@@ -29,7 +29,6 @@ constexpr int kLevelFrames = 4;          // next to the change, in which the pat
 constexpr double kLeastLevel = 0.15;     // share of a patch's own amplitude
 constexpr double kMostMeasurements = 3;  // independent ones per frame, for a stroke
 constexpr double kMeasurementsOfJoint = 2;
-constexpr std::size_t kFollowed = 3;  // frames in which a joint differs from the strokes that it joins
 constexpr double kSameJoint = 15;     // px between opposite events of one place
 constexpr double kLeastLogOdds = -4;  // an event must exceed it under the most favourable images
 constexpr std::size_t kWeakest = 3;   // one in this number of a joint's patches decides whether it is open
@@ -103,7 +102,6 @@ double measure_factor(const graph::TracedEvent& traced, const MotionIndex& motio
   series.appears = appears(event.type);
   series.weight =
       of_stroke ? std::min(kMostMeasurements, static_cast<double>(traced.path.size())) : kMeasurementsOfJoint;
-  series.followed = of_stroke ? 0 : kFollowed;
   for (int t = first; t <= last; ++t) {
     std::optional<PathAmplitude> most;
     for (const Path& path : guesses[static_cast<std::size_t>(t - first)]) {

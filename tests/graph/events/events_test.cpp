@@ -193,7 +193,8 @@ TEST_CASE("What fades between two strokes in one more frame belongs to neither",
                            const std::vector<Pairs>& links) {
     const auto events = graph::stroke_events(graph::identify(test::motion(frames, links)));
     REQUIRE(events.size() == 1);
-    CHECK((events[0].type == EventType::split || events[0].type == EventType::merge));  // in line
+    CHECK(events[0].type != EventType::birth);
+    CHECK(events[0].type != EventType::death);
     return events[0].position.x;
   };
   CHECK_THAT(place_of({whole.graph(), hanging.graph(), gone.graph()}, {on, off}), WithinAbs(60, 1e-9));

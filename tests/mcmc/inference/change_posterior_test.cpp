@@ -31,8 +31,6 @@ double evidence(const ChangeSeries& s, std::size_t i) {
   const double variance = 0.0625 + 0.04 / (s.level * s.level), x = s.amplitude[i] / s.level;
   double nats = 0.7 * s.weight * std::log(density(x, 1, variance) / density(x, 0, variance));
   const bool there = (i >= s.at) == s.appears;
-  const std::size_t away = i >= s.at ? i - s.at : s.at - 1 - i;
-  if (there && s.followed > 0 && away >= s.followed) nats = std::max(nats, 0.0);
   return std::clamp(nats, -6.0, 6.0) * s.in_view[i] + (there ? 0.1 : -0.1);
 }
 
@@ -61,7 +59,6 @@ ChangeSeries random_series(std::uint64_t seed, std::size_t count) {
   ChangeSeries series;
   series.at = 1 + rng.below(static_cast<std::uint32_t>(count - 1));
   series.appears = rng.below(2) == 0;
-  series.followed = rng.below(4);
   series.level = rng.uniform(0.5, 1.5);
   series.weight = rng.uniform(0.1, 0.6);  // so that no probability is cut off at 0 or 1
   for (std::size_t i = 0; i < count; ++i) {
@@ -107,15 +104,6 @@ TEST_CASE("Time reversed, a change has the same factor", "[change]") {
     series.at = 12 - series.at;
     CHECK_THAT(mcmc::log_change_factor(series), WithinAbs(forwards, 1e-9));
   }
-}
-
-TEST_CASE("Beyond the frames that can be followed, absence does not count", "[change]") {
-  ChangeSeries series;
-  series.at = 6;
-  for (int i = 0; i < 16; ++i) series.amplitude.push_back(i >= 6 && i < 9 ? 1 : 0);
-  const double lost = mcmc::log_change_factor(series);
-  series.followed = 3;
-  CHECK(mcmc::log_change_factor(series) > lost);
 }
 
 TEST_CASE("Frames in which nothing of the change is in view tell nothing", "[change]") {
