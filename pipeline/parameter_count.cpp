@@ -9,7 +9,9 @@ double parameter_count(const mcmc::MotionModel& model) {
   const auto numbers = [](const graph::AttributeGraph& graph) {
     return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());
   };
-  double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizeClasses;
+  const auto& velocity = model.velocity;
+  double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizeClasses +
+               static_cast<double>(velocity.modes.size() + velocity.step.size() + velocity.noise.size());
   for (const auto& exemplar : model.exemplars) sum += numbers(exemplar.graph) + 3;
   for (const auto* map : {&model.displacement_scale, &model.drift_x, &model.drift_y, &model.rates.birth,
                           &model.rates.death, &model.rates.separation, &model.density})

@@ -14,6 +14,7 @@
 #include "mcmc/learning/moments.hpp"
 #include "mcmc/learning/operator_rates.hpp"
 #include "mcmc/learning/rate_modifiers.hpp"
+#include "mcmc/learning/velocity_modes.hpp"
 #include "mcmc/simulation/rate_calibration.hpp"
 
 namespace emberfold::mcmc {
@@ -135,7 +136,7 @@ void append(std::vector<std::string>& all, const std::vector<std::string>& more)
   all.insert(all.end(), more.begin(), more.end());
 }
 
-// Learns drift, displacement and contrast; returns the tracks.
+// Learns drift, displacement, velocity modes and contrast; returns the tracks.
 FollowedClip learn_motion(const graph::MotionGraph& motion, FitResult& result) {
   MotionModel& model = result.model;
   const CellMap grid = make_cell_grid(model.width, model.height);
@@ -149,6 +150,8 @@ FollowedClip learn_motion(const graph::MotionGraph& motion, FitResult& result) {
   model.drift_x = drift.x, model.drift_y = drift.y;
   model.displacement = displacement.motion, model.contrast = contrast.motion;
   model.displacement_scale = displacement_scale_map(followed, model.displacement, grid);
+  model.velocity = besides_sway(
+      learn_velocity_modes(estimate_velocities(followed.tracks, grid, model.frames)), followed.tracks, model);
   append(result.notes, displacement.notes);
   append(result.notes, contrast.notes);
   model.appearing = fade_shares(followed.tracks, model.frames, false);

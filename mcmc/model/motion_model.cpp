@@ -65,6 +65,27 @@ void check(const graph::AttributeGraph& graph, const std::string& part) {
   }
 }
 
+// Bounds the amplitudes: their stationary covariance is the identity.
+void check(const VelocityModes& velocity, std::size_t cells) {
+  const std::size_t n = velocity.count;
+  const std::string part = "velocity_modes";
+  check(velocity.modes.size() == 2 * cells * n && velocity.step.size() == n * n &&
+            velocity.noise.size() == n * n,
+        part, "has sizes that disagree with its " + std::to_string(n) + " modes");
+  for (const auto* values : {&velocity.modes, &velocity.step, &velocity.noise})
+    for (const double value : *values)
+      check(std::isfinite(value) && std::abs(value) <= 1e6, part,
+            "holds " + core::number_text(value) + ", which is out of range");
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = 0;
+      for (std::size_t k = 0; k < n; ++k)
+        sum += velocity.step[i * n + k] * velocity.step[j * n + k] +
+               velocity.noise[i * n + k] * velocity.noise[j * n + k];
+      check(std::abs(sum - (i == j ? 1 : 0)) <= 1e-6, part, "has amplitudes whose variance does not stay 1");
+    }
+}
+
 void check_share(double value, const std::string& part) {
   check(value >= 0 && value <= 1, part, "is " + core::number_text(value) + "; allowed is 0…1");
 }
@@ -113,6 +134,7 @@ void validate(const MotionModel& model) {
   check(model.contrast, "contrast");
   check(model.drift_x, model, "drift_x", -1e6);
   check(model.drift_y, model, "drift_y", -1e6);
+  check(model.velocity, model.drift_x.values.size());
   check(model.rates.birth, model, "the birth map", 0);
   check(model.rates.death, model, "the death map", 0);
   check(model.rates.separation, model, "the parting map", 0);

@@ -95,6 +95,16 @@ struct HardCoreDistances {
   bool operator==(const HardCoreDistances&) const = default;
 };
 
+/// Holds how the velocities of all strokes vary together about the drift, a linear dynamic texture of their
+/// field: v(t) = drift + modes · z(t), z(t+1) = step · z(t) + noise · e(t), e ~ N(0, I). The stationary
+/// covariance of z is the identity. Matrices are row by row.
+struct VelocityModes {
+  std::size_t count = 0;            ///< of modes; 0: velocities do not vary
+  std::vector<double> modes;        ///< px a frame, 2 · cells × count: x and y of each cell
+  std::vector<double> step, noise;  ///< count × count
+  bool operator==(const VelocityModes&) const = default;
+};
+
 /// Holds Θ of a clip: how its strokes move (θ_int), how often they change (θ_ext), and how they look.
 struct MotionModel {
   int width = 0, height = 0;  ///< px
@@ -105,6 +115,7 @@ struct MotionModel {
   CellMap displacement_scale;   ///< factor of the displacement's usual SD in each cell, about 1
   Autoregression contrast;      ///< of the logarithm of the contrast
   CellMap drift_x, drift_y;     ///< px a frame: velocity of the rest shapes
+  VelocityModes velocity;       ///< of the rest shapes, about the drift
   OperatorRates rates;
   HardCoreDistances hard_core;
   CellMap density;                    ///< usual number of patches around each cell; guides births

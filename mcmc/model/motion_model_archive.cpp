@@ -22,6 +22,7 @@ constexpr const char* kFormat = "emberfold.motion_model";
 constexpr int kVersion = 1;
 constexpr std::size_t kPatchColumns = 16;  // x y theta width blur contrast, left middle right of 3, type
 constexpr std::size_t kMostPatches = std::size_t{1} << 26;
+constexpr std::size_t kMostVelocityModes = 64;
 
 // Numbers of patch types in the table: their places in graph::PatchType, but that 4 is left out, which was a
 // type of older versions.
@@ -258,6 +259,23 @@ HardCoreDistances read_hard_core(const Json& json) {
   return {number(json, "alike"), number(json, "lines"), number(json, "mixed")};
 }
 
+// Older models have none.
+VelocityModes read_velocity_modes(const core::ModelArchive& archive, std::size_t cells) {
+  const auto found = archive.arrays.find("velocity_modes");
+  if (found == archive.arrays.end()) {
+    for (const char* name : {"velocity_step", "velocity_noise"})
+      if (archive.arrays.contains(name)) refuse("velocity_modes.npy is missing");
+    return {};
+  }
+  const auto& shape = found->second.shape;
+  if (shape.size() != 2 || shape[1] < 1 || shape[1] > kMostVelocityModes)
+    refuse("velocity_modes.npy is " + shape_text(shape) + "; expected N x 1 to " +
+           std::to_string(kMostVelocityModes));
+  const std::size_t n = shape[1];
+  return {n, rows_of<double>(archive, "velocity_modes", n, 2 * cells),
+          rows_of<double>(archive, "velocity_step", n, n), rows_of<double>(archive, "velocity_noise", n, n)};
+}
+
 }  // namespace
 
 core::ModelArchive to_archive(const MotionModel& model) {
@@ -305,6 +323,11 @@ core::ModelArchive to_archive(const MotionModel& model) {
                     {"sway_share", map_array(model.displacement_scale)},
                     {"drift_x", map_array(model.drift_x)},
                     {"drift_y", map_array(model.drift_y)}};
+  if (const std::size_t n = model.velocity.count; n > 0) {
+    archive.arrays["velocity_modes"] = table(model.velocity.modes, n);
+    archive.arrays["velocity_step"] = table(model.velocity.step, n);
+    archive.arrays["velocity_noise"] = table(model.velocity.noise, n);
+  }
   std::vector<double> patches, places, first;
   std::vector<std::int64_t> edges, sizes, first_edges;
   for (const auto& exemplar : model.exemplars) {
@@ -358,6 +381,7 @@ MotionModel motion_model(const core::ModelArchive& archive) {
   model.rates.separation = map("parting"), model.displacement_scale = map("sway_share");
   model.density = map("density");
   model.drift_x = map("drift_x"), model.drift_y = map("drift_y");
+  model.velocity = read_velocity_modes(archive, model.density.values.size());
   read_exemplars(archive, model);
   try {
     validate(model);

@@ -11,6 +11,7 @@
 #include "core/rng.hpp"
 #include "graph/events/events.hpp"
 #include "mcmc/learning/stroke_places.hpp"
+#include "mcmc/learning/velocity_modes.hpp"
 #include "mcmc/simulation/edit_population.hpp"
 #include "mcmc/simulation/rate_calibration.hpp"
 #include "mcmc/simulation/rounding.hpp"
@@ -147,6 +148,7 @@ void reverse_time(EditedMotion& result, std::uint64_t seed, const core::Context&
   std::swap(at(EventType::birth), at(EventType::death));
   for (auto* map : {&model.drift_x, &model.drift_y})
     for (double& value : map->values) value = -value;
+  model.velocity = reverse_modes(std::move(model.velocity));
   std::swap(model.appearing, model.vanishing);
   calibrate_rates(model, shown, seed, context);
   note_unmet(shown, result, seed, context);
@@ -368,6 +370,7 @@ EditedMotion edit_motion(const MotionModel& model, const MotionEdit& edit, std::
   if (edit.speed != 1) speed_up(result.model, edit.speed, seed, context);
   if (edit.reverse) reverse_time(result, seed, context);
   result.model.displacement.noise *= edit.intensity;
+  for (double& value : result.model.velocity.modes) value *= edit.intensity;
   result.model.contrast.noise *= edit.flicker;
   const bool same_rates = std::ranges::all_of(edit.rates, [](double rate) { return rate == 1; });
   if (edit.contrast != 1) change_contrast(result.model, edit.contrast);

@@ -15,6 +15,7 @@ namespace emberfold::mcmc::detail {
 struct SimulatedPatch {
   graph::Patch rest;                   ///< patch at rest, with its position at rest
   graph::Point offset, offset_before;  ///< px from rest at the usual displacement, now and a frame ago
+  graph::Point carried;                ///< px: how far the velocity modes have moved the rest
   double share = 1;                    ///< factor of the usual displacement
   double gain = 0, gain_before = 0;    ///< logarithm of its contrast over that at rest
   int age = 0;                         ///< frames since it appeared
@@ -30,6 +31,8 @@ struct SimulatedStrokes {
   std::vector<SimulatedPatch> list;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   std::uint32_t next_id = 0;
+  std::vector<double> amplitudes, next_amplitudes;  ///< of the velocity modes, one frame of the clip apart
+  double between = 0;                          ///< time after the first of them, 0…1 frames of the clip
   std::vector<PastEvent> unions, separations;  ///< recent; a separation counts from the end of its fade-out
 
   /// Adds a patch with a new id and returns its index.
@@ -53,7 +56,7 @@ graph::AttributeGraph drawn_graph(const SimulatedStrokes& strokes, const MotionM
 void scale_contrast(graph::Patch& patch, double factor);
 
 /// Purpose of random numbers, part of their key.
-enum class Purpose : std::uint32_t { start = 1, motion, operators };  // below 8
+enum class Purpose : std::uint32_t { start = 1, motion, operators, velocity };  // below 8
 
 /// Advances displacement and contrast by one step of the auto-regressions.
 void step_motion(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed, Purpose purpose,

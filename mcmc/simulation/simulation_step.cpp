@@ -3,17 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/rng.hpp"
 #include "graph/events/events.hpp"
 #include "mcmc/learning/hard_core.hpp"
 #include "mcmc/learning/stroke_places.hpp"
+#include "mcmc/learning/velocity_modes.hpp"
 #include "mcmc/simulation/operators.hpp"
+#include "mcmc/simulation/rounding.hpp"
 
 namespace emberfold::mcmc::detail {
 
 namespace {
 
 constexpr int unknown_age = 1000;  // frames: nobody saw them being born
+constexpr double kReturn = 0.05;   // a frame, of what carries a patch: without it long strokes crumple
 
 // True if a part of a patch lies in the frame: half its width and two blurs to each side are drawn.
 bool is_visible(const graph::Patch& patch, graph::Point step, const MotionModel& model) {
@@ -22,9 +27,50 @@ bool is_visible(const graph::Patch& patch, graph::Point step, const MotionModel&
   return p.x >= -reach && p.y >= -reach && p.x <= model.width - 1 + reach && p.y <= model.height - 1 + reach;
 }
 
-// Moves each rest shape by the drift, as a whole. Removes faded patches, and strokes that are out of sight,
-// so that they cannot come back. Returns the number of the latter, which count as deaths.
-int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model) {
+std::vector<double> white(std::size_t count, std::uint64_t seed, std::uint32_t frame) {
+  core::Rng rng(seed, {0, 0, (frame << 4U) | (static_cast<std::uint32_t>(Purpose::velocity) << 1U)});
+  std::vector<double> values(count);
+  for (double& value : values) value = rng.normal();
+  return values;
+}
+
+std::vector<double> next_amplitudes(const VelocityModes& modes, const std::vector<double>& now,
+                                    std::uint64_t seed, std::uint32_t frame) {
+  const auto noise = white(modes.count, seed, frame);
+  std::vector<double> next(modes.count);
+  for (std::size_t i = 0; i < modes.count; ++i) {
+    for (std::size_t k = 0; k < modes.count; ++k)
+      next[i] += modes.step[i * modes.count + k] * now[k] + modes.noise[i * modes.count + k] * noise[k];
+    next[i] = rounded(next[i]);
+  }
+  return next;
+}
+
+// Steps the amplitudes of the velocity modes on by one drawn frame, which may be more or less than one of the
+// clip's. Returns the field of velocities about the drift, px a drawn frame.
+Drift step_velocity(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
+                    std::uint32_t frame) {
+  const VelocityModes& modes = model.velocity;
+  const double pace = model.rates.modifiers.pace;
+  if (strokes.next_amplitudes.size() != modes.count) {
+    strokes.amplitudes = white(modes.count, seed, 0);
+    strokes.next_amplitudes = next_amplitudes(modes, strokes.amplitudes, seed, frame << 8U);
+  }
+  strokes.between += pace;
+  for (std::uint32_t k = 1; strokes.between >= 1; strokes.between -= 1, ++k) {
+    strokes.amplitudes = std::exchange(
+        strokes.next_amplitudes, next_amplitudes(modes, strokes.next_amplitudes, seed, (frame << 8U) + k));
+  }
+  std::vector<double> now(modes.count);
+  for (std::size_t k = 0; k < now.size(); ++k)
+    now[k] = pace * std::lerp(strokes.amplitudes[k], strokes.next_amplitudes[k], strokes.between);
+  return combine_modes(modes, model.drift_x, now);
+}
+
+// Moves each rest shape by the drift, as a whole, and its patches by `velocity`. Removes faded patches, and
+// strokes that are out of sight, so that they cannot come back. Returns the number of the latter, which count
+// as deaths.
+int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model, const Drift& velocity) {
   std::vector<bool> gone(strokes.list.size());
   int left = 0;
   const auto graph = stroke_graph(strokes);
@@ -41,7 +87,11 @@ int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model) {
       if (simulated.frames_left > 0) --simulated.frames_left;
       if (simulated.refractory_left > 0) --simulated.refractory_left;
       ++simulated.age;
-      simulated.rest.position = simulated.rest.position + step;
+      const graph::Point place = graph.patch(v).position,
+                         shared{interpolate(velocity.x, place), interpolate(velocity.y, place)},
+                         carried = rounded((simulated.carried + shared) * (1 - kReturn));
+      simulated.rest.position = simulated.rest.position + step + carried - simulated.carried;
+      simulated.carried = carried;
     }
   }
   remove_patches(strokes, gone);
@@ -60,7 +110,7 @@ SimulatedStrokes initial_strokes(const MotionModel& model, std::uint64_t seed) {
 std::array<int, 6> advance_frame(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
                                  std::uint32_t frame) {
   step_motion(strokes, model, seed, Purpose::motion, frame);
-  const int left = carry_strokes(strokes, model);
+  const int left = carry_strokes(strokes, model, step_velocity(strokes, model, seed, frame));
   enforce_hard_core(strokes, model);
   auto done = apply_operators(strokes, model, seed, frame);
   done[static_cast<std::size_t>(graph::EventType::death)] += left;

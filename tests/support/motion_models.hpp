@@ -62,6 +62,9 @@ inline mcmc::MotionModel full_model() {
                     &model.displacement_scale})
     for (double& cell : map->values) cell = value *= 1.02;
   model.drift_x.values[3] = -0.25;
+  model.velocity = {2, {}, {0.6, 0, 0, 0.8}, {0.8, 0, 0, 0.6}};
+  for (std::size_t i = 0; i < 4 * model.drift_x.values.size(); ++i)
+    model.velocity.modes.push_back(value *= 1.01);
   r.birth_by_size = {0.1, 0.2, 0.3, 0.15, 0.15, 0.06, 0.04};
   r.death_by_size = {0.3, 0.2, 0.1, 0.05, 0.04, 0.03, 0.02};
   r.split = 0.011, r.merge = 0.012, r.connect = 0.013, r.disconnect = 0.014;

@@ -93,6 +93,9 @@ TEST_CASE("Every number of a model is in its archive", "[archive]") {
       [](auto& m) { m.hard_core.mixed += 1; },
       [](auto& m) { m.vanishing[7] -= 0.01; },
       [](auto& m) { m.displacement_scale.values[3] += 0.1; },
+      [](auto& m) { m.velocity.modes[5] += 0.1; },
+      [](auto& m) { std::swap(m.velocity.step, m.velocity.noise); },
+      [](auto& m) { m.velocity = {}; },
       [](auto& m) { m.exemplars[1].clearance += 1; },
       [](auto& m) { m.exemplars.pop_back(); },
       [](auto& m) { m.first = {}; }};
@@ -138,7 +141,7 @@ TEST_CASE("A model holds no anchors", "[archive]") {
 
 TEST_CASE("An archive without one of its arrays is refused", "[archive]") {
   const auto archive = mcmc::to_archive(test::full_model());
-  REQUIRE(archive.arrays.size() == 13);
+  REQUIRE(archive.arrays.size() == 16);
   for (const auto& [name, array] : archive.arrays) {
     auto broken = archive;
     broken.arrays.erase(name);
@@ -191,6 +194,9 @@ TEST_CASE("An archive with a number that is none is refused", "[archive]") {
                                             {"sway_share", "sway_share"},
                                             {"drift_x", "drift_x"},
                                             {"drift_y", "drift_y"},
+                                            {"velocity_modes", "velocity_modes"},
+                                            {"velocity_step", "velocity_modes"},
+                                            {"velocity_noise", "velocity_modes"},
                                             {"exemplar_places", "exemplar"},
                                             {"exemplar_patches", "exemplar_patches"},
                                             {"first_patches", "first_patches"}})
@@ -290,6 +296,9 @@ TEST_CASE("A model out of its ranges is refused, from an archive and into one", 
       {"birth map", [](auto& m) { m.rates.birth = test::map_over(m.width, m.height, 32, 1e-5); }},
       {"births", [](auto& m) { m.rates.birth_by_size[0] = 2; }},
       {"death", [](auto& m) { m.rates.death_by_size[3] = -0.1; }},
+      {"velocity_modes", [](auto& m) { m.velocity.step[0] = 0.7; }},
+      {"velocity_modes", [](auto& m) { m.velocity.noise[2] = 0.1; }},
+      {"velocity_modes", [](auto& m) { m.velocity.modes.pop_back(); }},
       {"split", [](auto& m) { m.rates.split = 1.1; }},
       {"merge", [](auto& m) { m.rates.merge = std::nan(""); }},
       {"connect", [](auto& m) { m.rates.connect = -1; }},
