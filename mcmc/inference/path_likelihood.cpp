@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "mcmc/learning/ar_kalman.hpp"
+#include "mcmc/learning/drift.hpp"
 
 namespace emberfold::mcmc::detail {
 
@@ -51,13 +52,7 @@ std::vector<double> pulls(const std::vector<TrackNeighbours::Pair>& pairs,
 FollowedAttribute followed_displacement(const std::vector<CurveTrack>& tracks, const MotionModel& model) {
   FollowedAttribute result{{}, {}, true, 0.02};
   for (const auto& track : tracks) {
-    auto& values = result.values.emplace_back();
-    double drifted = 0;
-    for (const auto& sample : track.samples) {
-      values.push_back(sample.normal_displacement - drifted);
-      const graph::Point v{model.drift_x.at(sample.position), model.drift_y.at(sample.position)};
-      drifted += graph::dot(v, sample.normal);
-    }
+    result.values.push_back(without_drift(track, model.drift_x, model.drift_y));
     result.scales.push_back(model.displacement_scale.at(track.samples.front().position));
   }
   return result;

@@ -2,9 +2,10 @@
 #include "mcmc/learning/drift.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
+
+#include "mcmc/learning/normal_equations.hpp"
 
 namespace emberfold::mcmc {
 
@@ -16,24 +17,9 @@ constexpr double least_scatter = 0.01;     // px²
 constexpr double usual_drift = 0.5;        // px a frame, SD of drifts of the prior
 constexpr double kTracksAlike = 8;         // neighbouring tracks that count as one observation
 
-// Sums of the normal equations of v·n = s.
-struct NormalEquations {
-  double xx = 0, xy = 0, yy = 0, xs = 0, ys = 0;
-  void add(graph::Point n, double s, double weight) {
-    xx += weight * n.x * n.x, xy += weight * n.x * n.y, yy += weight * n.y * n.y;
-    xs += weight * n.x * s, ys += weight * n.y * s;
-  }
-  // Solution that shrinks towards `prior`, which has the precision `precision`.
-  [[nodiscard]] graph::Point solve(graph::Point prior, double precision) const {
-    const double a = xx + precision, d = yy + precision, p = xs + precision * prior.x,
-                 q = ys + precision * prior.y, determinant = a * d - xy * xy;
-    return {(d * p - xy * q) / determinant, (a * q - xy * p) / determinant};
-  }
-};
-
 // A speed that is not clearly above its own error counts as 0; else resting strokes would creep away in a
 // long clip.
-graph::Point shrink_insignificant(graph::Point v, const NormalEquations& seen, double precision,
+graph::Point shrink_insignificant(graph::Point v, const detail::NormalEquations& seen, double precision,
                                   double area) {
   const double square = graph::dot(v, v);
   if (square <= 0) return v;
@@ -72,8 +58,8 @@ Drift estimate_drift(const std::vector<detail::CurveTrack>& all, const CellMap& 
   }
   scatter = samples > 0 ? std::max(scatter / samples, least_scatter) : 1;
 
-  std::array<CellMap, 5> sums{grid, grid, grid, grid, grid};
-  NormalEquations total;
+  detail::CellEquations cells(grid);
+  detail::NormalEquations total;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto n = static_cast<double>(all[i].samples.size());
     if (all[i].samples.size() < kShortestMoved) continue;
@@ -81,28 +67,33 @@ Drift estimate_drift(const std::vector<detail::CurveTrack>& all, const CellMap& 
     // variance.
     const double weight = n * n / (2 * scatter) / kTracksAlike / n;
     for (const auto& sample : all[i].samples) {
-      NormalEquations one;
-      one.add(sample.normal, speeds[i].speed, weight);
+      cells.add(sample.position, sample.normal, speeds[i].speed, weight);
       total.add(sample.normal, speeds[i].speed, weight);
-      const auto cell = grid.index(sample.position);
-      const std::array<double, 5> parts{one.xx, one.xy, one.yy, one.xs, one.ys};
-      for (std::size_t k = 0; k < parts.size(); ++k) sums[k].values[cell] += parts[k];
     }
   }
   constexpr double precision = 1 / (usual_drift * usual_drift);
   const graph::Point mean = total.solve({0, 0}, precision);
-  std::array<std::vector<double>, 5> near;
-  for (std::size_t i = 0; i < near.size(); ++i) near[i] = spread_over_cells(sums[i], reach);
+  const auto near = cells.spread(reach);
   Drift drift{grid, grid};
   // A cell holds about one part in `area` of the observations around it.
   const double area = 4 * std::numbers::pi * reach * reach;
   for (std::size_t i = 0; i < grid.values.size(); ++i) {
-    const NormalEquations here{near[0][i], near[1][i], near[2][i], near[3][i], near[4][i]};
     const graph::Point v =
-        shrink_insignificant(here.solve(mean, precision / area), here, precision / area, area);
+        shrink_insignificant(near[i].solve(mean, precision / area), near[i], precision / area, area);
     drift.x.values[i] = v.x, drift.y.values[i] = v.y;
   }
   return drift;
+}
+
+std::vector<double> without_drift(const detail::CurveTrack& track, const CellMap& drift_x,
+                                  const CellMap& drift_y) {
+  std::vector<double> displacement;
+  double drifted = 0;
+  for (const auto& sample : track.samples) {
+    displacement.push_back(sample.normal_displacement - drifted);
+    drifted += graph::dot({drift_x.at(sample.position), drift_y.at(sample.position)}, sample.normal);
+  }
+  return displacement;
 }
 
 }  // namespace emberfold::mcmc

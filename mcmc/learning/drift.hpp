@@ -20,4 +20,8 @@ struct Drift {
 /// the frame's mean, and that towards 0. O(samples + cells).
 Drift estimate_drift(const std::vector<detail::CurveTrack>& tracks, const CellMap& grid);
 
+/// Returns a track's displacement along its normals in each frame, less what the drift has added. O(samples).
+std::vector<double> without_drift(const detail::CurveTrack& track, const CellMap& drift_x,
+                                  const CellMap& drift_y);
+
 }  // namespace emberfold::mcmc

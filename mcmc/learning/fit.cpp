@@ -35,21 +35,6 @@ struct FollowedClip {
   Series normal_displacement;  // less the drift
 };
 
-// Each track's normal displacement, less the drift.
-Series without_drift(const CurveTracks& all, const Drift& drift) {
-  Series series;
-  for (const auto& track : all) {
-    std::vector<double> normal_displacement;
-    double drifted = 0;
-    for (const auto& sample : track.samples) {
-      normal_displacement.push_back(sample.normal_displacement - drifted);
-      drifted += graph::dot(drift.at(sample.position), sample.normal);
-    }
-    series.push_back(std::move(normal_displacement));
-  }
-  return series;
-}
-
 Series contrasts(const CurveTracks& all) {
   Series series;
   for (const auto& track : all) {
@@ -142,7 +127,8 @@ FollowedClip learn_motion(const graph::MotionGraph& motion, FitResult& result) {
   const CellMap grid = make_cell_grid(model.width, model.height);
   FollowedClip followed{detail::track_curves(motion), {}};
   const Drift drift = estimate_drift(followed.tracks, grid);
-  followed.normal_displacement = without_drift(followed.tracks, drift);
+  for (const auto& track : followed.tracks)
+    followed.normal_displacement.push_back(without_drift(track, drift.x, drift.y));
   const auto displacement = estimate_motion(
       collect_observations(motion, followed.tracks, followed.normal_displacement, true), "sway");
   const auto contrast = estimate_motion(

@@ -2,11 +2,12 @@
 #include "mcmc/learning/velocity_modes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include <Eigen/Dense>
+
+#include "mcmc/learning/normal_equations.hpp"
 
 namespace emberfold::mcmc {
 
@@ -53,31 +54,17 @@ void set_step(VelocityModes& modes, const Matrix& step) {
   modes.noise = numbers(Matrix(Eigen::LLT<Matrix>(rest).matrixL()));
 }
 
-// Sums of the normal equations of v·n = s, by cell.
-struct CellEquations {
-  explicit CellEquations(const CellMap& grid) : sums{grid, grid, grid, grid, grid} {
-    for (CellMap& sum : sums) std::ranges::fill(sum.values, 0.0);
+// Field that fits the steps, and shrinks towards 0.
+Drift solve(const detail::CellEquations& equations, const CellMap& grid) {
+  constexpr double precision = kPriorTracks / (4 * std::numbers::pi * kFieldReach * kFieldReach);
+  const auto near = equations.spread(kFieldReach);
+  Drift field{grid, grid};
+  for (std::size_t c = 0; c < near.size(); ++c) {
+    const graph::Point v = near[c].solve({0, 0}, precision);
+    field.x.values[c] = v.x, field.y.values[c] = v.y;
   }
-  void add(graph::Point p, graph::Point n, double s) {
-    const auto cell = sums[0].index(p);
-    const std::array<double, 5> parts{n.x * n.x, n.x * n.y, n.y * n.y, n.x * s, n.y * s};
-    for (std::size_t k = 0; k < parts.size(); ++k) sums[k].values[cell] += parts[k];
-  }
-  [[nodiscard]] Drift solve() const {
-    const double precision = kPriorTracks / (4 * std::numbers::pi * kFieldReach * kFieldReach);
-    std::array<std::vector<double>, 5> near;
-    for (std::size_t k = 0; k < near.size(); ++k) near[k] = spread_over_cells(sums[k], kFieldReach);
-    Drift field{sums[0], sums[0]};
-    for (std::size_t c = 0; c < near[0].size(); ++c) {
-      const double a = near[0][c] + precision, b = near[1][c], d = near[2][c] + precision,
-                   determinant = a * d - b * b;
-      field.x.values[c] = (d * near[3][c] - b * near[4][c]) / determinant;
-      field.y.values[c] = (a * near[4][c] - b * near[3][c]) / determinant;
-    }
-    return field;
-  }
-  std::array<CellMap, 5> sums;
-};
+  return field;
+}
 
 void subtract_mean(std::vector<Drift>& fields) {
   for (const auto part : {&Drift::x, &Drift::y})
@@ -96,15 +83,15 @@ std::vector<Drift> estimate_velocities(const std::vector<detail::CurveTrack>& tr
   detail::visit_frames(tracks, static_cast<std::size_t>(frames),
                        [&](std::size_t frame, std::span<const std::uint32_t> there) {
                          if (frame == 0) return;
-                         CellEquations equations(grid);
+                         detail::CellEquations equations(grid);
                          for (const std::uint32_t i : there) {
                            const auto k = static_cast<int>(frame) - tracks[i].first;
                            if (k == 0) continue;
                            const auto* const sample = &tracks[i].samples[static_cast<std::size_t>(k)];
                            equations.add(sample->position, sample->normal,
-                                         sample->normal_displacement - sample[-1].normal_displacement);
+                                         sample->normal_displacement - sample[-1].normal_displacement, 1);
                          }
-                         result.push_back(equations.solve());
+                         result.push_back(solve(equations, grid));
                        });
   if (!result.empty()) subtract_mean(result);
   return result;
@@ -148,16 +135,15 @@ VelocityModes besides_sway(VelocityModes modes, const std::vector<detail::CurveT
   double seen = 0, swaying = 0, steps = 0;
   const Autoregression& sway = model.displacement;
   const double deviation = stationary_deviation(sway), alike = sway.a1 / (1 - sway.a2);
-  for (const auto& track : tracks)
-    for (std::size_t k = 1; k < track.samples.size(); ++k) {
-      const auto& before = track.samples[k - 1];
-      const double drift = model.drift_x.at(before.position) * before.normal.x +
-                           model.drift_y.at(before.position) * before.normal.y;
-      const double share = model.displacement_scale.at(before.position);
-      seen += std::pow(track.samples[k].normal_displacement - before.normal_displacement - drift, 2);
+  for (const auto& track : tracks) {
+    const auto place = without_drift(track, model.drift_x, model.drift_y);
+    for (std::size_t k = 1; k < place.size(); ++k) {
+      const double share = model.displacement_scale.at(track.samples[k - 1].position);
+      seen += std::pow(place[k] - place[k - 1], 2);
       swaying += 2 * std::pow(share * deviation, 2) * (1 - alike) + 2 * std::pow(sway.measurement, 2);
       ++steps;
     }
+  }
   const double left = steps > 0 && seen > 0 ? 1 - swaying / seen : 0;
   if (left < kLeastLeft) return {};
   for (double& value : modes.modes) value *= std::sqrt(left);

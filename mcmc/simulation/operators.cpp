@@ -200,6 +200,7 @@ SimulatedPatch interpolate_patch(const SimulatedPatch& a, const SimulatedPatch& 
     result.rest.right[c] = levels(a.rest.right[c], b.rest.right[c]);
   }
   result.share = mix(a.share, b.share);
+  result.carried = mix_points(a.carried, b.carried);
   result.offset = mix_points(a.offset, b.offset);
   result.offset_before = mix_points(a.offset_before, b.offset_before);
   result.gain = mix(a.gain, b.gain), result.gain_before = mix(a.gain_before, b.gain_before);

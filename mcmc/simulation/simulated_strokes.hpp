@@ -25,14 +25,19 @@ struct SimulatedPatch {
   [[nodiscard]] graph::Point position() const { return rest.position + offset * share; }
 };
 
+/// Holds the amplitudes of the velocity modes about now.
+struct ModeAmplitudes {
+  std::vector<double> before, after;  ///< one frame of the clip apart
+  double between = 0;                 ///< time since `before`, 0…1 frames of the clip
+};
+
 /// Holds the strokes of one frame: patches and edges by index. Ids ascend and are never used again.
 struct SimulatedStrokes {
   std::vector<std::uint32_t> ids;
   std::vector<SimulatedPatch> list;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   std::uint32_t next_id = 0;
-  std::vector<double> amplitudes, next_amplitudes;  ///< of the velocity modes, one frame of the clip apart
-  double between = 0;                          ///< time after the first of them, 0…1 frames of the clip
+  ModeAmplitudes amplitudes;
   std::vector<PastEvent> unions, separations;  ///< recent; a separation counts from the end of its fade-out
 
   /// Adds a patch with a new id and returns its index.

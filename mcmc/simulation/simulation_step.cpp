@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/rng.hpp"
@@ -47,30 +48,31 @@ std::vector<double> next_amplitudes(const VelocityModes& modes, const std::vecto
 }
 
 // Steps the amplitudes of the velocity modes on by one drawn frame, which may be more or less than one of the
-// clip's. Returns the field of velocities about the drift, px a drawn frame.
-Drift step_velocity(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
-                    std::uint32_t frame) {
+// clip's. Returns the field of velocities about the drift, px a drawn frame; nothing where there are no
+// modes.
+std::optional<Drift> step_velocity(ModeAmplitudes& amplitudes, const MotionModel& model, std::uint64_t seed,
+                                   std::uint32_t frame) {
   const VelocityModes& modes = model.velocity;
+  if (modes.count == 0) return {};
   const double pace = model.rates.modifiers.pace;
-  if (strokes.next_amplitudes.size() != modes.count) {
-    strokes.amplitudes = white(modes.count, seed, 0);
-    strokes.next_amplitudes = next_amplitudes(modes, strokes.amplitudes, seed, frame << 8U);
+  if (amplitudes.before.empty()) {
+    amplitudes.before = white(modes.count, seed, 0);
+    amplitudes.after = next_amplitudes(modes, amplitudes.before, seed, frame << 8U);
   }
-  strokes.between += pace;
-  for (std::uint32_t k = 1; strokes.between >= 1; strokes.between -= 1, ++k) {
-    strokes.amplitudes = std::exchange(
-        strokes.next_amplitudes, next_amplitudes(modes, strokes.next_amplitudes, seed, (frame << 8U) + k));
-  }
+  amplitudes.between += pace;
+  for (std::uint32_t k = 1; amplitudes.between >= 1; amplitudes.between -= 1, ++k)
+    amplitudes.before =
+        std::exchange(amplitudes.after, next_amplitudes(modes, amplitudes.after, seed, (frame << 8U) + k));
   std::vector<double> now(modes.count);
   for (std::size_t k = 0; k < now.size(); ++k)
-    now[k] = pace * std::lerp(strokes.amplitudes[k], strokes.next_amplitudes[k], strokes.between);
+    now[k] = pace * std::lerp(amplitudes.before[k], amplitudes.after[k], amplitudes.between);
   return combine_modes(modes, model.drift_x, now);
 }
 
 // Moves each rest shape by the drift, as a whole, and its patches by `velocity`. Removes faded patches, and
 // strokes that are out of sight, so that they cannot come back. Returns the number of the latter, which count
 // as deaths.
-int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model, const Drift& velocity) {
+int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model, const std::optional<Drift>& velocity) {
   std::vector<bool> gone(strokes.list.size());
   int left = 0;
   const auto graph = stroke_graph(strokes);
@@ -87,10 +89,12 @@ int carry_strokes(SimulatedStrokes& strokes, const MotionModel& model, const Dri
       if (simulated.frames_left > 0) --simulated.frames_left;
       if (simulated.refractory_left > 0) --simulated.refractory_left;
       ++simulated.age;
+      simulated.rest.position = simulated.rest.position + step;
+      if (!velocity) continue;
       const graph::Point place = graph.patch(v).position,
-                         shared{interpolate(velocity.x, place), interpolate(velocity.y, place)},
+                         shared{interpolate(velocity->x, place), interpolate(velocity->y, place)},
                          carried = rounded((simulated.carried + shared) * (1 - kReturn));
-      simulated.rest.position = simulated.rest.position + step + carried - simulated.carried;
+      simulated.rest.position = simulated.rest.position + carried - simulated.carried;
       simulated.carried = carried;
     }
   }
@@ -110,7 +114,7 @@ SimulatedStrokes initial_strokes(const MotionModel& model, std::uint64_t seed) {
 std::array<int, 6> advance_frame(SimulatedStrokes& strokes, const MotionModel& model, std::uint64_t seed,
                                  std::uint32_t frame) {
   step_motion(strokes, model, seed, Purpose::motion, frame);
-  const int left = carry_strokes(strokes, model, step_velocity(strokes, model, seed, frame));
+  const int left = carry_strokes(strokes, model, step_velocity(strokes.amplitudes, model, seed, frame));
   enforce_hard_core(strokes, model);
   auto done = apply_operators(strokes, model, seed, frame);
   done[static_cast<std::size_t>(graph::EventType::death)] += left;
