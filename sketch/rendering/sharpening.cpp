@@ -20,7 +20,8 @@ namespace emberfold::sketch {
 namespace {
 
 constexpr std::size_t most_frames = 8;
-constexpr int halvings = 6;  // of the interval that the share lies in
+constexpr int trials = 3;              // after those of both ends
+constexpr double near_enough = 0.005;  // of the gradient that is wanted
 constexpr double least_share = 0.25, most_gain = 1.5;
 constexpr double border = 4;  // px
 
@@ -38,13 +39,24 @@ double measure_drawn_gradient(std::span<const FrameContent> content, const Rende
   return all.mean();
 }
 
-/// The value between one that is not steep enough and one that is.
-double bisect(double& value, double too_soft, double steep, const std::function<bool()>& is_steep) {
-  for (int i = 0; i < halvings; ++i) {
-    value = (too_soft + steep) / 2;
-    (is_steep() ? steep : too_soft) = value;
+/// A value of what is to be found, and the gradient that it draws.
+struct Trial {
+  double value, gradient;
+};
+
+/// Finds the value between one that is not steep enough and one that is, by false position: the gradient is
+/// nearly straight in both shares.
+double solve(Trial soft, Trial steep, double target, const std::function<double(double)>& gradient_of) {
+  const auto between = [&] {
+    return std::lerp(soft.value, steep.value, (target - soft.gradient) / (steep.gradient - soft.gradient));
+  };
+  for (int i = 0; i < trials; ++i) {
+    const double value = between();
+    const Trial now{value, gradient_of(value)};
+    if (std::abs(now.gradient - target) <= near_enough * target) return now.value;
+    (now.gradient >= target ? steep : soft) = now;
   }
-  return value = (too_soft + steep) / 2;
+  return between();
 }
 
 }  // namespace
@@ -88,18 +100,19 @@ FlankGradient measure_clip_flank_gradient(core::FrameSource& source, const graph
 
 Sharpening fit_sharpening(std::span<const FrameContent> content, RenderOptions options, double target,
                           const core::Context& context) {
-  options.blur_share = options.contrast_gain = 1;
-  const auto is_steep = [&] { return measure_drawn_gradient(content, options, context) >= target; };
-  if (const double fitted = measure_drawn_gradient(content, options, context);
-      fitted <= 0 || fitted >= target)
-    return {};
-  options.blur_share = least_share;
-  if (is_steep()) {
-    bisect(options.blur_share, 1, least_share, is_steep);
-    return {options.blur_share, 1};
-  }
-  bisect(options.contrast_gain, 1, most_gain, is_steep);
-  return {options.blur_share, options.contrast_gain};
+  const auto gradient_of = [&](double share, double gain) {
+    options.blur_share = share, options.contrast_gain = gain;
+    return measure_drawn_gradient(content, options, context);
+  };
+  const Trial fitted{1, gradient_of(1, 1)};
+  if (fitted.gradient <= 0 || fitted.gradient >= target) return {};
+  const Trial sharp{least_share, gradient_of(least_share, 1)};
+  if (sharp.gradient >= target)
+    return {solve(fitted, sharp, target, [&](double share) { return gradient_of(share, 1); }), 1};
+  const Trial strong{most_gain, gradient_of(least_share, most_gain)};
+  if (strong.gradient <= target) return {least_share, most_gain};
+  return {least_share, solve({1, sharp.gradient}, strong, target,
+                             [&](double gain) { return gradient_of(least_share, gain); })};
 }
 
 RenderOptions apply_sharpening(RenderOptions options, const Sharpening& sharpening) {
