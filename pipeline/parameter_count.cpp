@@ -3,12 +3,24 @@
 
 namespace emberfold::pipeline {
 
-double parameter_count(const mcmc::MotionModel& model) {
+namespace {
+
+double numbers(const graph::AttributeGraph& graph) {
   // Position, direction, width, blur, contrast, three levels of three channels; type. An edge: its two ends.
-  constexpr double kPatch = 16, kEdge = 2, kScalars = 6 + 6 + 16 + 8;
-  const auto numbers = [](const graph::AttributeGraph& graph) {
-    return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());
-  };
+  constexpr double kPatch = 16, kEdge = 2;
+  return kPatch * static_cast<double>(graph.size()) + kEdge * static_cast<double>(graph.edges().size());
+}
+
+}  // namespace
+
+double parameter_count(const graph::SketchSequence& sketch) {
+  double sum = 0;
+  for (const auto& graph : sketch.frames) sum += numbers(graph);
+  return sum;
+}
+
+double parameter_count(const mcmc::MotionModel& model) {
+  constexpr double kScalars = 6 + 6 + 16 + 8;
   const auto& velocity = model.velocity;
   double sum = kScalars + numbers(model.first) + 2.0 * mcmc::kSizeClasses +
                static_cast<double>(velocity.modes.size() + velocity.step.size() + velocity.noise.size());

@@ -38,11 +38,12 @@ void run_compare(const Compare& asked, Session& session) {
   check_options(asked.options.sketch, "sketch");
   check_options(asked.options.match, "match");
   check_options(asked.options.learn, "learn");
-  require_apart({asked.reading.clip, asked.other, asked.reading.options.mask}, asked.output,
-                {"side_by_side.mp4", "synthesized_motion.avi", "synthesized_dytex.avi",
-                 "synthesized_footage.avi", "synthesized_star.avi", "video_loop.avi", "contact_sheet.png",
-                 "measures.json", "drift.csv", "report.html", "summary.json"},
-                session.common);
+  require_apart(
+      {asked.reading.clip, asked.other, asked.reading.options.mask}, asked.output,
+      {"side_by_side.mp4", "synthesized_motion.avi", "synthesized_dytex.avi", "synthesized_footage.avi",
+       "synthesized_strokes.avi", "synthesized_star.avi", "video_loop.avi", "contact_sheet.png",
+       "measures.json", "drift.csv", "report.html", "summary.json"},
+      session.common);
   io::OutputFolder output(asked.output, session.common.existing());
   output.protect({asked.reading.clip, asked.other, asked.reading.options.mask});
 

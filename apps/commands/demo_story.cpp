@@ -89,6 +89,7 @@ ReportClips make_clips(core::FrameSource& source, const Comparison& comparison,
   std::vector<std::unique_ptr<core::FrameSource>> drawn;
   std::vector<NamedSource> clips{{"Source", &source}};
   for (const auto& [file, name] : {std::pair{"synthesized_footage.avi", "Clip's footage"},
+                                   std::pair{"synthesized_strokes.avi", "Clip's strokes"},
                                    std::pair{"synthesized_motion.avi", "Motion model"},
                                    std::pair{"synthesized_dytex.avi", "Linear dynamic texture"}}) {
     if (std::ranges::find(comparison.files, file) == comparison.files.end()) continue;
@@ -107,6 +108,7 @@ void list_files(const Comparison& comparison, Json& files) {
       {"measures.json", "how close the models come to the clip"},
       {"side_by_side.mp4", "the clip and those drawn from its models"},
       {"synthesized_footage.avi", "a new clip made of the clip's own frames"},
+      {"synthesized_strokes.avi", "a new clip of the clip's strokes at other times"},
       {"synthesized_motion.avi", "a new clip of strokes, from the motion model"},
       {"synthesized_dytex.avi", "a new clip from the linear dynamic texture"}};
   files["dytex/"] = "a linear dynamic texture: 'emberfold dytex synth' draws from it";

@@ -18,11 +18,10 @@ constexpr int kSheetHeight = 240;  // px of its pictures
 }  // namespace
 
 std::string drawn_clip_file(const std::string& key) {
-  static const std::map<std::string, std::string> files{{"motion_model", "synthesized_motion.avi"},
-                                                        {"footage", "synthesized_footage.avi"},
-                                                        {"linear_dynamic_texture", "synthesized_dytex.avi"},
-                                                        {"star", "synthesized_star.avi"},
-                                                        {"video_loop", "video_loop.avi"}};
+  static const std::map<std::string, std::string> files{
+      {"motion_model", "synthesized_motion.avi"}, {"footage", "synthesized_footage.avi"},
+      {"strokes", "synthesized_strokes.avi"},     {"linear_dynamic_texture", "synthesized_dytex.avi"},
+      {"star", "synthesized_star.avi"},           {"video_loop", "video_loop.avi"}};
   const auto found = files.find(key);
   return found == files.end() ? "" : found->second;
 }

@@ -36,6 +36,7 @@ std::string heading(const std::string& label) {
   constexpr std::size_t kWidth = 13;
   std::string text = label == "linear dynamic texture" ? "dyn. texture"
                      : label == "clip's footage"       ? "footage"
+                     : label == "clip's strokes"       ? "strokes"
                      : label == "the other clip"       ? "other clip"
                      : label == "video-texture loop"   ? "loop"
                                                        : label;

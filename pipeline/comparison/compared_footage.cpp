@@ -7,11 +7,14 @@
 
 #include "core/clip.hpp"
 #include "core/clip/clip_range.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/comparison/compared_models.hpp"
 #include "pipeline/footage/carried_prediction.hpp"
 #include "pipeline/footage/footage.hpp"
 #include "pipeline/footage/footage_synthesis.hpp"
 #include "pipeline/footage/like_moments.hpp"
+#include "pipeline/parameter_count.hpp"
+#include "pipeline/strokes/stroke_synthesis.hpp"
 
 namespace emberfold::pipeline {
 
@@ -32,35 +35,67 @@ std::pair<int, int> find_loop(const LikeMoments& moments) {
   return best;
 }
 
+/// Numbers in these frames.
+double numbers(const std::vector<cv::Mat>& frames) {
+  return static_cast<double>(frames.size()) * static_cast<double>(frames.front().total()) *
+         frames.front().channels();
+}
+
+/// Draws clips by the method that make() returns.
+template <class Make>
+std::function<ComparedModel::NextFrames()> drawn_by(Make make, const core::Context& context) {
+  return [make = std::move(make), context]() -> ComparedModel::NextFrames {
+    return [method = make(), context](int count) {
+      std::vector<cv::Mat> drawn;
+      method->each(
+          count, [&](cv::Mat frame) { drawn.push_back(std::move(frame)); }, context);
+      return drawn;
+    };
+  };
+}
+
 }  // namespace
 
-std::optional<ComparedModel> footage_model(const TrainingInput& input, const KnownModels& known) {
+SharedFrames drawn_footage(const TrainingInput& input, const KnownModels& known) {
+  // Clips of the known models are drawn from the whole clip, too.
+  core::ClipRange part(input.source, 0, known.motion_model != nullptr ? input.frames : input.learned_frames);
+  return std::make_shared<const std::vector<cv::Mat>>(
+      decode(gather_footage(part, {}, input.context), input.context));
+}
+
+std::optional<ComparedModel> footage_model(const TrainingInput& input, const SharedFrames& footage) {
   return learn_or_warn("no footage", input.context, [&] {
     core::ClipRange learned_part(input.source, 0, input.learned_frames);
     const auto prediction = std::make_shared<const CarriedPrediction>(
         learn_carried_prediction(learned_part, input.steps, input.context));
-    // Like those of the other models, this clip is drawn from the whole clip where models of it are known.
-    core::ClipRange drawn_part(input.source, 0,
-                               known.motion_model != nullptr ? input.frames : input.learned_frames);
-    const auto frames = std::make_shared<const std::vector<cv::Mat>>(
-        decode(gather_footage(drawn_part, {}, input.context), input.context));
     ComparedModel model{"footage", "clip's footage"};
-    model.parameters = static_cast<double>(frames->size()) * static_cast<double>(frames->front().total()) *
-                           frames->front().channels() +
-                       prediction->parameters();
-    model.begin_clip = [frames, seed = input.seed, context = input.context]() -> ComparedModel::NextFrames {
-      const auto synthesis =
-          std::make_shared<FootageSynthesis>(*frames, FootageSynthesisOptions{.seed = seed}, context);
-      return [synthesis, context](int count) {
-        std::vector<cv::Mat> drawn;
-        synthesis->each(
-            count, [&](cv::Mat frame) { drawn.push_back(std::move(frame)); }, context);
-        return drawn;
-      };
-    };
+    model.parameters = numbers(*footage) + prediction->parameters();
+    model.begin_clip = drawn_by(
+        [footage, seed = input.seed, context = input.context] {
+          return std::make_shared<FootageSynthesis>(*footage, FootageSynthesisOptions{.seed = seed}, context);
+        },
+        input.context);
     model.predict = [prediction](const PastFrames& past, std::span<const int> steps) {
       return predict(*prediction, past.levels, steps);
     };
+    return model;
+  });
+}
+
+std::optional<ComparedModel> strokes_model(const TrainingInput& input, const SharedFrames& footage) {
+  return learn_or_warn("no strokes", input.context, [&] {
+    graph::SketchSequence sketch = input.sketched.sketch;
+    sketch.frames.resize(footage->size());
+    const auto motion = std::make_shared<const graph::MotionGraph>(
+        graph::identify(match_strokes(std::move(sketch), input.options.match, input.context)));
+    ComparedModel model{"strokes", "clip's strokes"};
+    model.parameters = numbers(*footage) + parameter_count(motion->sketch);
+    model.begin_clip = drawn_by(
+        [footage, motion, seed = input.seed, context = input.context] {
+          return std::make_shared<StrokeSynthesis>(*footage, *motion, StrokeSynthesisOptions{.seed = seed},
+                                                   context);
+        },
+        input.context);
     return model;
   });
 }
@@ -76,8 +111,8 @@ ComparedModel loop_model(const TrainingInput& input) {
   frames.erase(frames.begin() + last + 1, frames.end());
   frames.erase(frames.begin(), frames.begin() + first);
   ComparedModel model{"video_loop", "video-texture loop"};
-  model.parameters = static_cast<double>(frames.size()) * static_cast<double>(frames.front().total()) *
-                     frames.front().channels();
+  model.has_strokes = false;
+  model.parameters = numbers(frames);
   model.begin_clip = [frames = std::make_shared<const std::vector<cv::Mat>>(
                           std::move(frames))]() -> ComparedModel::NextFrames {
     return [frames, t = std::size_t{0}](int count) mutable {

@@ -74,6 +74,7 @@ std::optional<ComparedModel> star_model(const TrainingInput& input) {
   if (!learned) return std::nullopt;
   const auto star = std::make_shared<const dytex::Star>(std::move(*learned));
   ComparedModel model{"star", "STAR model"};
+  model.has_strokes = false;
   const auto channels = static_cast<double>(star->info.channels);
   model.parameters =
       static_cast<double>(star->mean.size() + star->coefficients.size()) + channels * (channels + 1) / 2;
@@ -100,7 +101,11 @@ std::vector<ComparedModel> learn_models(const TrainingInput& input, const KnownM
   };
   const auto strokes = learn_strokes(input, known);
   if (strokes) add(sketch_model(strokes, input.seed, input.context));
-  add(footage_model(input, known));
+  if (const auto footage =
+          learn_or_warn("no footage", input.context, [&] { return drawn_footage(input, known); })) {
+    add(footage_model(input, *footage));
+    add(strokes_model(input, *footage));
+  }
   add(texture_model(input, known));
   if (input.options.in_full) add(star_model(input));
   models.push_back(loop_model(input));

@@ -25,8 +25,9 @@ struct PastFrames {
 /// begin_clip, predict and reconstruct may be called on several threads at once.
 struct ComparedModel {
   using NextFrames = std::function<std::vector<cv::Mat>(int count)>;
-  std::string key, label;  ///< name for programs; for display
-  double parameters = 0;   ///< numbers in the model
+  std::string key, label;   ///< name for programs; for display
+  double parameters = 0;    ///< numbers in the model
+  bool has_strokes = true;  ///< its clips are worth a sketch: not those of baselines
   /// Begins a new clip and returns the function that draws its next frames, CV_8U.
   std::function<NextFrames()> begin_clip = {};
   /// Predicts the frames at each number of steps ahead (ascending, those of TrainingInput): levels, or CV_8U.
@@ -60,8 +61,14 @@ ComparedModel sketch_model(const std::shared_ptr<const StrokeModel>& strokes, st
                            const core::Context& context);
 /// Learns a linear dynamic texture.
 std::optional<ComparedModel> texture_model(const TrainingInput& input, const KnownModels& known);
+using SharedFrames = std::shared_ptr<const std::vector<cv::Mat>>;  ///< frames, CV_8U
+/// Returns the frames that new clips are made of: the first part, or the whole clip where models of it are
+/// known.
+SharedFrames drawn_footage(const TrainingInput& input, const KnownModels& known);
 /// Learns to predict by motion, and returns the model that makes new clips of the clip's own frames.
-std::optional<ComparedModel> footage_model(const TrainingInput& input, const KnownModels& known);
+std::optional<ComparedModel> footage_model(const TrainingInput& input, const SharedFrames& footage);
+/// Returns the model whose new clips show the clip's strokes at other times.
+std::optional<ComparedModel> strokes_model(const TrainingInput& input, const SharedFrames& footage);
 /// Returns the clip's first part itself, repeated from its most similar frames (a video texture): a baseline
 /// that looks real and contains nothing new.
 ComparedModel loop_model(const TrainingInput& input);

@@ -68,7 +68,7 @@ std::vector<cv::Mat> draw_frames(DrawnClip& clip, int count, bool with_strokes,
   const auto luma = levels_to_luma(levels);
   clip.measures.add(luma, context);
   add_pictures(clip.pictures, luma);
-  if (with_strokes) clip.strokes.add(levels, context);
+  if (with_strokes && clip.model->has_strokes) clip.strokes.add(levels, context);
   return frames;
 }
 
@@ -102,7 +102,8 @@ void add_results(const Drawing& drawing, const mcmc::StrokeSeries* series, const
   const VisibleMeasures visible(drawing.pictures, context);
   for (const auto& clip : drawing.clips) {
     OptionalStrokes strokes;
-    if (source_strokes) strokes = mcmc::stroke_statistics(clip.strokes.series(context));
+    if (source_strokes && clip.model->has_strokes)
+      strokes = mcmc::stroke_statistics(clip.strokes.series(context));
     out.models.push_back({clip.model->key, clip.model->label, clip.model->parameters,
                           clip_profile(clip.measures, strokes),
                           clip_distances(clip.measures, strokes, drawing.source.all, source_strokes)});

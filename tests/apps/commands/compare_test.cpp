@@ -18,9 +18,9 @@ using namespace emberfold::test;
 
 namespace {
 
-const std::vector<std::string> kDrawn{"synthesized_motion.avi", "synthesized_footage.avi",
-                                      "synthesized_dytex.avi",  "synthesized_star.avi",
-                                      "video_loop.avi",         "contact_sheet.png"};
+const std::vector<std::string> kDrawn{
+    "synthesized_motion.avi", "synthesized_footage.avi", "synthesized_strokes.avi", "synthesized_dytex.avi",
+    "synthesized_star.avi",   "video_loop.avi",          "contact_sheet.png"};
 
 std::string write_clip(const fs::path& path, const core::Clip& clip) {
   const auto writer = io::create_video(path, clip.frames[0].size(), 25, clip.frames[0].channels() == 3);
