@@ -498,9 +498,9 @@ TEST_CASE("demo makes its clip, and what it scores is what the score command say
   CHECK(clip.frames.size() == summary["clip"]["frames"]);
   // the whole story: both models, a clip drawn from each, how close they come, all on one page
   for (const auto& [name, about] : summary["files"].items()) CHECK(fs::exists(out / name));
-  for (const char* name :
-       {"synthesized_footage.avi", "synthesized_motion.avi", "synthesized_dytex.avi", "edited_splits.avi",
-        "edited_births.avi", "edited_wind.avi", "edited_slower.avi", "edited_backwards.avi"}) {
+  for (const char* name : {"synthesized_footage.avi", "synthesized_strokes.avi", "synthesized_motion.avi",
+                           "synthesized_dytex.avi", "edited_splits.avi", "edited_births.avi",
+                           "edited_wind.avi", "edited_slower.avi", "edited_backwards.avi"}) {
     const auto made = core::read_all(*apps::open_clip((out / name).string(), {}, {}));
     CHECK(made.frames.size() == clip.frames.size());
     CHECK(made.frames[0].size() == clip.frames[0].size());
@@ -512,10 +512,11 @@ TEST_CASE("demo makes its clip, and what it scores is what the score command say
   CHECK_FALSE(fs::exists(out / "strip.mp4"));
   const auto page = bytes_of(out / "report.html");
   CHECK(page.size() < 8'000'000);
-  for (const char* part : {"\"clips\":{\"names\":[\"Source\",\"Clip's footage\",\"Motion model\",\"Linear "
-                           "dynamic texture\",\"Twice the splits\",\"Half the births\",\"In the "
-                           "wind\",\"Half as fast\",\"Backwards\"]",
-                           "\"measures\":{", "\"eigenvalues\":[", "\"learned\":{\"motion\":{"})
+  for (const char* part :
+       {"\"clips\":{\"names\":[\"Source\",\"Clip's footage\",\"Clip's strokes\",\"Motion "
+        "model\",\"Linear dynamic texture\",\"Twice the splits\",\"Half the births\",\"In the "
+        "wind\",\"Half as fast\",\"Backwards\"]",
+        "\"measures\":{", "\"eigenvalues\":[", "\"learned\":{\"motion\":{"})
     CHECK(contains(page, part));
   check_refused({"demo", "-o", (temp / "other").string(), "--clip", "water"}, 2, {"--clip", "water", "cloth"},
                 temp / "other");
