@@ -7,7 +7,6 @@
 
 #include "core/clip.hpp"
 #include "core/clip/clip_range.hpp"
-#include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/comparison/compared_models.hpp"
 #include "pipeline/footage/carried_prediction.hpp"
 #include "pipeline/footage/footage.hpp"
@@ -82,12 +81,10 @@ std::optional<ComparedModel> footage_model(const TrainingInput& input, const Sha
   });
 }
 
-std::optional<ComparedModel> strokes_model(const TrainingInput& input, const SharedFrames& footage) {
+std::optional<ComparedModel> strokes_model(const TrainingInput& input, const SharedFrames& footage,
+                                           graph::MotionGraph strokes) {
   return learn_or_warn("no strokes", input.context, [&] {
-    graph::SketchSequence sketch = input.sketched.sketch;
-    sketch.frames.resize(footage->size());
-    const auto motion = std::make_shared<const graph::MotionGraph>(
-        graph::identify(match_strokes(std::move(sketch), input.options.match, input.context)));
+    const auto motion = std::make_shared<const graph::MotionGraph>(std::move(strokes));
     ComparedModel model{"strokes", "clip's strokes"};
     model.parameters = numbers(*footage) + parameter_count(motion->sketch);
     model.begin_clip = drawn_by(

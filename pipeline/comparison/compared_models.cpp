@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "core/clip/clip_range.hpp"
 #include "core/context.hpp"
 #include "core/error.hpp"
 #include "dytex/baselines/star.hpp"
 #include "dytex/synthesize.hpp"
+#include "pipeline/comparison/clip_strokes.hpp"
 #include "pipeline/parameter_count.hpp"
 
 namespace emberfold::pipeline {
@@ -99,12 +101,17 @@ std::vector<ComparedModel> learn_models(const TrainingInput& input, const KnownM
   const auto add = [&](std::optional<ComparedModel> model) {
     if (model) models.push_back(std::move(*model));
   };
-  const auto strokes = learn_strokes(input, known);
+  const auto matched = [&](int frames) {
+    return match_strokes(first_frames(input.sketched.sketch, frames), input.options.match, input.context);
+  };
+  graph::MotionGraph learned = matched(input.learned_frames);
+  const auto strokes = learn_strokes(input, known, learned);
   if (strokes) add(sketch_model(strokes, input.seed, input.context));
   if (const auto footage =
           learn_or_warn("no footage", input.context, [&] { return drawn_footage(input, known); })) {
     add(footage_model(input, *footage));
-    add(strokes_model(input, *footage));
+    const auto drawn = static_cast<int>((*footage)->size());
+    add(strokes_model(input, *footage, drawn == input.learned_frames ? std::move(learned) : matched(drawn)));
   }
   add(texture_model(input, known));
   if (input.options.in_full) add(star_model(input));

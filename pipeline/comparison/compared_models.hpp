@@ -52,10 +52,15 @@ struct TrainingInput {
 /// A model that cannot be learned from this clip is left out, with a warning. Throws core::Cancelled.
 std::vector<ComparedModel> learn_models(const TrainingInput& input, const KnownModels& known);
 
+/// Returns the first frames of a sketch.
+graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int count);
+
 /// Holds the motion model of a clip, and everything else that drawing and predicting need.
 struct StrokeModel;
-/// Learns the motion model of the clip's first part. Null, with a warning, where that fails.
-std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, const KnownModels& known);
+/// Learns the motion model of the clip's first part, whose matched strokes are `learned`. Null, with a
+/// warning, where that fails.
+std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, const KnownModels& known,
+                                                 const graph::MotionGraph& learned);
 /// Returns the model of moving strokes with diffusion between them.
 ComparedModel sketch_model(const std::shared_ptr<const StrokeModel>& strokes, std::uint64_t seed,
                            const core::Context& context);
@@ -67,8 +72,9 @@ using SharedFrames = std::shared_ptr<const std::vector<cv::Mat>>;  ///< frames, 
 SharedFrames drawn_footage(const TrainingInput& input, const KnownModels& known);
 /// Learns to predict by motion, and returns the model that makes new clips of the clip's own frames.
 std::optional<ComparedModel> footage_model(const TrainingInput& input, const SharedFrames& footage);
-/// Returns the model whose new clips show the clip's strokes at other times.
-std::optional<ComparedModel> strokes_model(const TrainingInput& input, const SharedFrames& footage);
+/// Returns the model whose new clips show the clip's strokes at other times; `strokes`: those of the footage.
+std::optional<ComparedModel> strokes_model(const TrainingInput& input, const SharedFrames& footage,
+                                           graph::MotionGraph strokes);
 /// Returns the clip's first part itself, repeated from its most similar frames (a video texture): a baseline
 /// that looks real and contains nothing new.
 ComparedModel loop_model(const TrainingInput& input);

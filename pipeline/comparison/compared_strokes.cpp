@@ -49,12 +49,6 @@ struct StrokeModel {
 
 namespace {
 
-graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int count) {
-  graph::SketchSequence first = sketch;
-  first.frames.resize(static_cast<std::size_t>(count));
-  return first;
-}
-
 cv::Mat draw_strokes(const StrokeModel& strokes, const PastFrames& past, int steps) {
   // A frame without strokes gets the mean level of the newest frame there.
   const auto level = static_cast<float>(cv::mean(core::luma(past.levels.back()))[0]);
@@ -85,7 +79,14 @@ void prepare_drawing(StrokeModel& strokes, const TrainingInput& input) {
 
 }  // namespace
 
-std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, const KnownModels& known) {
+graph::SketchSequence first_frames(const graph::SketchSequence& sketch, int count) {
+  graph::SketchSequence first = sketch;
+  first.frames.resize(static_cast<std::size_t>(count));
+  return first;
+}
+
+std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, const KnownModels& known,
+                                                 const graph::MotionGraph& learned) {
   const auto& [sketch, grounds] = input.sketched;
   const core::Context& context = input.context;
   StrokeModel strokes;
@@ -105,9 +106,7 @@ std::shared_ptr<const StrokeModel> learn_strokes(const TrainingInput& input, con
     mcmc::FitOptions options;
     options.seed = input.seed;
     options.calibrate = known.motion_model == nullptr;  // balanced rates serve drawing alone
-    const auto motion =
-        match_strokes(first_frames(sketch, input.learned_frames), input.options.match, context);
-    auto fitted = mcmc::fit(motion, options, context);
+    auto fitted = mcmc::fit(learned, options, context);
     for (const auto& note : fitted.notes) context.warn("motion model: " + note);
     strokes.model = std::move(fitted.model);
     if (known.motion_model != nullptr)

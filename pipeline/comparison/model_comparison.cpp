@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <opencv2/core.hpp>
 
@@ -27,7 +28,7 @@ struct DrawnClip {
   const ComparedModel* model;
   ComparedModel::NextFrames next;
   ClipMeasures measures;
-  ClipStrokes strokes;
+  std::optional<ClipStrokes> strokes;
   std::vector<cv::Mat> pictures = {};  // visible_pictures
 };
 
@@ -47,9 +48,11 @@ std::vector<DrawnClip> begin_clips(std::span<const ComparedModel> models, const 
                                    const ClipMeasures& blank, const CompareOptions& options) {
   const cv::Size size(info.width, info.height);
   std::vector<DrawnClip> clips;
-  for (const auto& model : models)
-    clips.push_back(
-        {&model, model.begin_clip(), blank, ClipStrokes(size, info.fps, options.sketch, options.match)});
+  for (const auto& model : models) {
+    clips.push_back({&model, model.begin_clip(), blank, {}});
+    if (options.in_full && model.has_strokes)
+      clips.back().strokes.emplace(size, info.fps, options.sketch, options.match);
+  }
   return clips;
 }
 
@@ -61,19 +64,18 @@ void announce(const CompareObserver& observer, const core::ClipInfo& info, const
   observer.begin(clips);
 }
 
-std::vector<cv::Mat> draw_frames(DrawnClip& clip, int count, bool with_strokes,
-                                 const core::Context& context) {
+std::vector<cv::Mat> draw_frames(DrawnClip& clip, int count, const core::Context& context) {
   auto frames = clip.next(count);
   const auto levels = bytes_to_levels(frames);
   const auto luma = levels_to_luma(levels);
   clip.measures.add(luma, context);
   add_pictures(clip.pictures, luma);
-  if (with_strokes && clip.model->has_strokes) clip.strokes.add(levels, context);
+  if (clip.strokes) clip.strokes->add(levels, context);
   return frames;
 }
 
 // Draws all clips together with the source, a batch at a time.
-void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, const core::Context& context,
+void draw_all(core::FrameSource& source, Drawing& drawing, const core::Context& context,
               const CompareObserver& observer) {
   const int frames = drawing.source.frames, all = std::max(frames, drawing.drawn_frames);
   source.rewind();
@@ -89,7 +91,7 @@ void draw_all(core::FrameSource& source, Drawing& drawing, bool with_strokes, co
     if (observer.take)
       for (const auto& one : levels) batch[0].push_back(core::to_bytes(one));
     const int drawn = std::clamp(drawing.drawn_frames - t, 0, kFramesAtOnce);
-    for (auto& clip : drawing.clips) batch.push_back(draw_frames(clip, drawn, with_strokes, context));
+    for (auto& clip : drawing.clips) batch.push_back(draw_frames(clip, drawn, context));
     if (observer.take) observer.take(t, batch);
     context.report("synthesize", std::min(1.0, static_cast<double>(t + kFramesAtOnce) / all));
   }
@@ -102,8 +104,7 @@ void add_results(const Drawing& drawing, const mcmc::StrokeSeries* series, const
   const VisibleMeasures visible(drawing.pictures, context);
   for (const auto& clip : drawing.clips) {
     OptionalStrokes strokes;
-    if (source_strokes && clip.model->has_strokes)
-      strokes = mcmc::stroke_statistics(clip.strokes.series(context));
+    if (clip.strokes) strokes = mcmc::stroke_statistics(clip.strokes->series(context));
     out.models.push_back({clip.model->key, clip.model->label, clip.model->parameters,
                           clip_profile(clip.measures, strokes),
                           clip_distances(clip.measures, strokes, drawing.source.all, source_strokes)});
@@ -140,7 +141,7 @@ ModelComparison compare_models(core::FrameSource& source, const CompareOptions& 
   Drawing drawing{out.drawn_frames, SourceMeasures(size, out.scale, out.frames), {}, {}};
   drawing.clips = begin_clips(models, info, ClipMeasures(size, out.scale, out.drawn_frames), options);
   announce(observer, info, drawing);
-  draw_all(source, drawing, options.in_full, context, observer);
+  draw_all(source, drawing, context, observer);
   mcmc::StrokeSeries series;
   if (options.in_full) series = stroke_series(sketched.sketch, options.match, context);
   add_results(drawing, options.in_full ? &series : nullptr, context, out);
