@@ -355,8 +355,15 @@ graph::AttributeGraph find_strokes(const Searched& frame, const cv::Mat& levels,
   ScaleSpace space = outlines ? ScaleSpace{} : frame.space;
   std::vector<Chain> chains = outlines ? find_explaining_curves(frame, levels, options, space)
                                        : find_curves(frame, levels, options, make_limits(options), given);
+  // Curves that were chosen by what they explain have paid for their ends. A short one is wanted where it is
+  // thin; short steps of coarse scales are no strokes.
+  const auto least = [&](const Chain& chain) {
+    return outlines ? 0.5 * options.min_length * space[median_level(chain.points, space)].sigma /
+                          options.finest_scale
+                    : options.min_length;
+  };
   const CurveNetwork network =
-      prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), options.min_length);
+      prune_short_curves(merge_crossings(join_free_ends(std::move(chains), space)), least);
   return refine(
       smooth_patches(place_patches(network, space, levels, options.spacing, frame.noise[0]), frame.noise[0]),
       levels, frame.axes, {options.spacing});

@@ -14,7 +14,7 @@ std::vector<Chain> without_same_edges(std::vector<Chain> curves, const ScaleSpac
                                       const std::vector<Chain>& others, cv::Size size) {
   if (others.empty()) return curves;
   constexpr double kSame = 3, kSameScale = 1.5;  // px, SD of the smoothing
-  constexpr std::ptrdiff_t kFewest = 5;          // points
+  constexpr std::ptrdiff_t kFewest = 12;         // points, of what goes on beyond another edge
   const auto pixel_of = [&](const CreasePoint& p) {
     return cv::Point(std::clamp(cvRound(p.position.x), 0, size.width - 1),
                      std::clamp(cvRound(p.position.y), 0, size.height - 1));
@@ -28,7 +28,7 @@ std::vector<Chain> without_same_edges(std::vector<Chain> curves, const ScaleSpac
   for (Chain& chain : curves) {
     const double least = std::max(kSame, kSameScale * space[median_level(chain.points, space)].sigma);
     const auto is_near = [&](const CreasePoint& p) { return double{away(pixel_of(p))} <= least; };
-    if (chain.kind != CreaseKind::step || std::ranges::none_of(chain.points, is_near)) {
+    if (std::ranges::none_of(chain.points, is_near)) {
       left.push_back(std::move(chain));
       continue;
     }

@@ -281,7 +281,7 @@ CurveNetwork without_chains(CurveNetwork network, const std::vector<bool>& dropp
 
 }  // namespace
 
-CurveNetwork prune_short_curves(CurveNetwork network, double min_length) {
+CurveNetwork prune_short_curves(CurveNetwork network, const std::function<double(const Chain&)>& least) {
   for (bool changed = true; changed;) {
     const std::size_t n = network.chains.size();
     std::vector<int> attached_ends(n, 0);
@@ -291,10 +291,10 @@ CurveNetwork prune_short_curves(CurveNetwork network, double min_length) {
     const std::vector<std::size_t> part = parts(network);
     std::vector<double> length(n), part_length(n, 0.0);
     for (std::size_t c = 0; c < n; ++c)
-      part_length[part[c]] += length[c] = arc_lengths(network.chains[c]).back();
+      part_length[part[c]] += length[c] = arc_lengths(network.chains[c]).back() / least(network.chains[c]);
     std::vector<bool> dropped(n);
     for (std::size_t c = 0; c < n; ++c)
-      dropped[c] = part_length[part[c]] < min_length || (attached_ends[c] == 1 && length[c] < min_length);
+      dropped[c] = part_length[part[c]] < 1 || (attached_ends[c] == 1 && length[c] < 1);
     changed = std::find(dropped.begin(), dropped.end(), true) != dropped.end();
     if (changed) network = without_chains(std::move(network), dropped);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "sketch/detection/curve_tracing.hpp"
@@ -26,9 +27,9 @@ struct CurveNetwork {
 /// contrast too, where its creaseness shows all along. O(points · log).
 CurveNetwork join_free_ends(std::vector<Chain> chains, const ScaleSpace& space);
 
-/// Removes curves that are too short to be distinguished from noise.
-/// These are spurs (one end free) below `min_length` px, and connected parts that are shorter in all. Repeats
-/// until nothing more is removed.
-CurveNetwork prune_short_curves(CurveNetwork network, double min_length);
+/// Removes curves that are too short to be distinguished from noise. Lengths are shares of the least length
+/// of a curve, in px, which `least` returns. Spurs (one end free) shorter than that go, and so do connected
+/// parts that are shorter in all. Repeats until nothing more is removed.
+CurveNetwork prune_short_curves(CurveNetwork network, const std::function<double(const Chain&)>& least);
 
 }  // namespace emberfold::sketch

@@ -396,6 +396,12 @@ TEST_CASE("An edge of luma and of colour is one edge") {
   CHECK(components(sketch::extract(displaced, both)).count == 1);
 }
 
+TEST_CASE("A short line is drawn with outlines where it is thin") {
+  const auto frame = with_noise(draw(kExtractSize, {segment({40, 60}, {49, 62}, 2, 1)}, 60, 80), 1, 1);
+  CHECK(components(sketch::extract(frame, {.outlines = true})).count == 1);
+  CHECK(sketch::extract(frame, {}).empty());
+}
+
 TEST_CASE("Colour changes nothing in grey frames") {
   const auto grey = with_noise(
       draw(kExtractSize, {segment({20, 30}, {120, 100}, 4, 1), ring({80, 60}, 30, 3, 1)}, 60, 80), 5, 1);
