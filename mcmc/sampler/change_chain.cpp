@@ -85,7 +85,7 @@ void ChangeChain::sweep(std::span<const ChangeMove> moves, std::span<const doubl
     if (level >= gain) continue;  // whatever it costs afterwards
     turn(move);
     if (is_allowed(move) && level < gain - costs_->of(move.strands, state_)) {
-      costs_->note(move.strands, state_);
+      costs_->note();
       ++accepted_[move.kind];
     } else {
       turn(move);

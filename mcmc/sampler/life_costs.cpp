@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 #include <boost/pending/disjoint_sets.hpp>
 
@@ -21,18 +22,6 @@ bool is_death(const Change& change) {
 
 }  // namespace
 
-template <class Take>
-void LifeCosts::for_lives(std::span<const std::uint32_t> strands, const ChangeState& state,
-                          const Take& take) {
-  const std::uint32_t before = call_;
-  for (const std::uint32_t s : strands) {
-    const std::uint32_t node = node_of_[s];
-    if (seen_[node] > before) continue;
-    ++call_;
-    take(node, cost_of_life(node, state));
-  }
-}
-
 void LifeCosts::Extent::add(const Extent& other) {
   comes_in = other.first < first ? other.comes_in : comes_in || (other.first == first && other.comes_in);
   goes_out = other.last > last ? other.goes_out : goes_out || (other.last == last && other.goes_out);
@@ -45,8 +34,18 @@ LifeCosts::LifeCosts(const ChangeField& field, const std::vector<bool>& open, co
   std::vector<bool> can_happen = open;
   for (std::size_t k = 0; k < can_happen.size(); ++k) can_happen[k] = can_happen[k] || state.happened[k];
   join_strands(can_happen);
-  for (std::uint32_t k = 0; k < field.changes.size(); ++k) {
-    const Change& change = field.changes[k];
+  list_changes(can_happen);
+  seen_.assign(nodes_.size(), 0), life_of_.assign(nodes_.size(), 0), cost_.assign(nodes_.size(), 0);
+  std::vector<std::uint32_t> all(field.strands.size());
+  std::iota(all.begin(), all.end(), 0u);
+  of(all, state);
+  note();
+}
+
+void LifeCosts::list_changes(const std::vector<bool>& can_happen) {
+  std::vector<std::vector<std::uint32_t>> changes(nodes_.size()), gaps(nodes_.size());
+  for (std::uint32_t k = 0; k < field_.changes.size(); ++k) {
+    const Change& change = field_.changes[k];
     const auto nodes = [&](const std::vector<std::uint32_t>& side) {
       return side.empty() ? std::array{0u, 0u} : std::array{node_of_[side.front()], node_of_[side.back()]};
     };
@@ -55,17 +54,27 @@ LifeCosts::LifeCosts(const ChangeField& field, const std::vector<bool>& open, co
     if (!can_happen[k]) continue;
     for (const auto* side : {&change.before, &change.after})
       for (const std::uint32_t s : *side)
-        if (auto& changes = nodes_[node_of_[s]].changes; changes.empty() || changes.back() != k)
-          changes.push_back(k);
+        if (auto& of = changes[node_of_[s]]; of.empty() || of.back() != k) of.push_back(k);
   }
-  for (std::uint32_t g = 0; g < field.gaps.size(); ++g)
+  for (std::uint32_t g = 0; g < field_.gaps.size(); ++g)
     for (const std::uint32_t s :
-         {field.changes[field.gaps[g].death].before[0], field.changes[field.gaps[g].birth].after[0]})
-      nodes_[node_of_[s]].gaps.push_back(g);
-  seen_.assign(nodes_.size(), 0), life_of_.assign(nodes_.size(), 0), cost_.assign(nodes_.size(), 0);
-  std::vector<std::uint32_t> all(field.strands.size());
-  std::iota(all.begin(), all.end(), 0u);
-  note(all, state);
+         {field_.changes[field_.gaps[g].death].before[0], field_.changes[field_.gaps[g].birth].after[0]})
+      gaps[node_of_[s]].push_back(g);
+  for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+    for (const std::uint32_t k : changes[n]) {
+      const NodesOfChange& change = changes_[k];
+      if (change.is_birth || change.is_death) continue;
+      std::set<std::uint32_t> others(change.before.begin(), change.before.end());
+      others.insert(change.after.begin(), change.after.end());
+      others.erase(n);
+      for (const std::uint32_t other : others) joints_of_nodes_.push_back({k, other});
+    }
+    changes_of_nodes_.insert(changes_of_nodes_.end(), changes[n].begin(), changes[n].end());
+    gaps_of_nodes_.insert(gaps_of_nodes_.end(), gaps[n].begin(), gaps[n].end());
+    nodes_[n].changes = static_cast<std::uint32_t>(changes_of_nodes_.size());
+    nodes_[n].joints = static_cast<std::uint32_t>(joints_of_nodes_.size());
+    nodes_[n].gaps = static_cast<std::uint32_t>(gaps_of_nodes_.size());
+  }
 }
 
 void LifeCosts::join_strands(const std::vector<bool>& can_happen) {
@@ -95,36 +104,31 @@ void LifeCosts::join_strands(const std::vector<bool>& can_happen) {
   }
 }
 
-void LifeCosts::visit(std::uint32_t node) {
-  if (std::uint32_t& seen = seen_[node]; seen != call_) seen = call_, life_.push_back(node);
-}
-
 double LifeCosts::cost_of_life(std::uint32_t node, const ChangeState& state) {
-  seen_[node] = call_;
-  life_ = {node};
-  happened_.clear();
+  const std::size_t begin = found_nodes_.size();
+  const std::uint32_t number = ++seen_lives_;
+  const auto visit = [&](std::uint32_t n) {
+    if (seen_[n] != number) seen_[n] = number, found_nodes_.push_back(n);
+  };
+  visit(node);
+  const Node none;
   Extent life;
-  for (std::size_t i = 0; i < life_.size(); ++i) {
-    const Node& one = nodes_[life_[i]];
+  for (std::size_t i = begin; i < found_nodes_.size(); ++i) {
+    const std::uint32_t n = found_nodes_[i];
+    const Node &one = nodes_[n], &before = n == 0 ? none : nodes_[n - 1];
     life.add(one.extent);
-    for (const std::uint32_t k : one.changes) {
-      const NodesOfChange& change = changes_[k];
-      if (state.happened[k])
-        happened_.push_back(k);
-      else if (!change.is_birth && !change.is_death)
-        visit(change.before[0]), visit(change.before[1]), visit(change.after[0]), visit(change.after[1]);
-    }
-    for (const std::uint32_t g : one.gaps)
-      if (state.bridged[g])
+    for (std::uint32_t c = before.joints; c < one.joints; ++c)
+      if (const Joint& joint = joints_of_nodes_[c]; !state.happened[joint.change]) visit(joint.node);
+    for (std::uint32_t c = before.gaps; c < one.gaps; ++c)
+      if (const std::uint32_t g = gaps_of_nodes_[c]; state.bridged[g])
         visit(changes_[field_.gaps[g].death].before[0]), visit(changes_[field_.gaps[g].birth].after[0]);
   }
   const graph::detail::Life shape{.frames = life.frames, .patches = life.patches, .closed = life.closed};
   const bool is_thing = shape.is_thing();
   bool begins = life.comes_in, ends = life.goes_out;
   double beginning = 0, end = 0, misplaced = 0;  // costs
-  for (const std::uint32_t k : happened_) {
-    const NodesOfChange& change = changes_[k];
-    const auto is_here = [&](std::uint32_t n) { return seen_[n] == call_; };
+  const auto is_here = [&](std::uint32_t n) { return seen_[n] == number; };
+  const auto add = [&](const NodesOfChange& change) {
     const bool at_first = !change.is_death && change.frame == life.first &&
                           std::ranges::any_of(change.after, is_here),
                at_last = !change.is_birth && change.frame == life.last + 1 &&
@@ -133,30 +137,44 @@ double LifeCosts::cost_of_life(std::uint32_t node, const ChangeState& state) {
     if (at_first) beginning = std::max(beginning, change.is_birth ? kLifeCost : kPartCost);
     if (at_last) end = std::max(end, change.is_death ? kLifeCost : kPartCost);
     if ((change.is_birth && !at_first) || (change.is_death && !at_last)) misplaced += kLifeCost;
+  };
+  for (std::size_t i = begin; i < found_nodes_.size(); ++i) {
+    const std::uint32_t n = found_nodes_[i];
+    for (std::uint32_t c = n == 0 ? 0 : nodes_[n - 1].changes; c < nodes_[n].changes; ++c)
+      if (const std::uint32_t k = changes_of_nodes_[c]; state.happened[k]) add(changes_[k]);
   }
   return misplaced + (is_thing || ends ? 0 : beginning) + (is_thing || begins ? 0 : end);
 }
 
-double LifeCosts::noted(std::span<const std::uint32_t> strands) {
+double LifeCosts::of(std::span<const std::uint32_t> strands, const ChangeState& state) {
   double sum = 0;
-  ++call_;
+  found_.clear(), found_nodes_.clear();
+  const std::uint32_t before = seen_lives_;
   for (const std::uint32_t s : strands) {
-    const std::uint32_t life = life_of_[node_of_[s]];
-    if (seen_[life] != call_) seen_[life] = call_, sum += cost_[life];
+    if (seen_[node_of_[s]] > before) continue;
+    const double cost = cost_of_life(node_of_[s], state);
+    found_.push_back({found_nodes_.size(), cost});
+    sum += cost;
   }
   return sum;
 }
 
-void LifeCosts::note(std::span<const std::uint32_t> strands, const ChangeState& state) {
-  for_lives(strands, state, [&](std::uint32_t node, double cost) {
-    cost_[node] = cost;
-    for (const std::uint32_t n : life_) life_of_[n] = node;
-  });
+void LifeCosts::note() {
+  std::size_t i = 0;
+  for (const Life& life : found_) {
+    const std::uint32_t first = found_nodes_[i];
+    cost_[first] = life.cost;
+    for (; i < life.end; ++i) life_of_[found_nodes_[i]] = first;
+  }
 }
 
-double LifeCosts::of(std::span<const std::uint32_t> strands, const ChangeState& state) {
+double LifeCosts::noted(std::span<const std::uint32_t> strands) {
   double sum = 0;
-  for_lives(strands, state, [&](std::uint32_t, double cost) { sum += cost; });
+  ++seen_lives_;
+  for (const std::uint32_t s : strands) {
+    const std::uint32_t life = life_of_[node_of_[s]];
+    if (seen_[life] != seen_lives_) seen_[life] = seen_lives_, sum += cost_[life];
+  }
   return sum;
 }
 

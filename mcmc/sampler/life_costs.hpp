@@ -33,10 +33,11 @@ class LifeCosts {
 
   /// Returns the costs of the lives that hold one of these strands. O(strands of the lives).
   double of(std::span<const std::uint32_t> strands, const ChangeState& state);
-  /// Returns the same of the state that was noted last, at once.
+  /// Notes the lives of the last call of of(). Its state may differ from the one noted before in changes and
+  /// gaps of the strands of that call only, and these must be all that such a change or gap has.
+  void note();
+  /// Returns what of() returns for the state that was noted last, at once.
   double noted(std::span<const std::uint32_t> strands);
-  /// Notes a state that differs from the one noted before in changes and gaps of these strands, all of them.
-  void note(std::span<const std::uint32_t> strands, const ChangeState& state);
   /// Returns the costs of all lives of the noted state.
   [[nodiscard]] double noted_of_all() const;
 
@@ -49,30 +50,36 @@ class LifeCosts {
   };
   struct Node {  // strands that are one life in every state
     Extent extent;
-    std::vector<std::uint32_t> changes, gaps;
+    std::uint32_t changes = 0, joints = 0, gaps = 0;  // ends of its parts of the lists below
   };
   struct NodesOfChange {  // a change has one or two strands on a side
     int frame = 0;
     bool is_birth = false, is_death = false;
     std::array<std::uint32_t, 2> before{}, after{};  // the same twice for one strand
   };
+  struct Joint {  // one life with another node while a change does not happen
+    std::uint32_t change = 0, node = 0;
+  };
+  struct Life {
+    std::size_t end = 0;  // of its part of found_nodes_
+    double cost = 0;
+  };
   void join_strands(const std::vector<bool>& can_happen);
-  /// Calls take(node, cost) for each life that holds one of these strands; life_ are its nodes.
-  template <class Take>
-  void for_lives(std::span<const std::uint32_t> strands, const ChangeState& state, const Take& take);
+  void list_changes(const std::vector<bool>& can_happen);
   double cost_of_life(std::uint32_t node, const ChangeState& state);
-  void visit(std::uint32_t node);
 
   const ChangeField& field_;
   std::vector<std::uint32_t> node_of_;  // each strand
   std::vector<Node> nodes_;
+  std::vector<std::uint32_t> changes_of_nodes_, gaps_of_nodes_;
+  std::vector<Joint> joints_of_nodes_;
   std::vector<NodesOfChange> changes_;
-  std::vector<std::uint32_t> seen_;  // in which call each node was seen last
-  std::uint32_t call_ = 0;
-  std::vector<std::uint32_t> life_;      // nodes
-  std::vector<std::uint32_t> happened_;  // changes of its nodes, some of them twice
-  std::vector<std::uint32_t> life_of_;   // each node: the node that stands for its life, as noted
-  std::vector<double> cost_;             // of the life that a node stands for
+  std::vector<std::uint32_t> seen_;  // with which life each node was seen last
+  std::uint32_t seen_lives_ = 0;
+  std::vector<Life> found_;  // lives of the last call of of()
+  std::vector<std::uint32_t> found_nodes_;
+  std::vector<std::uint32_t> life_of_;  // each node: the node that stands for its life, as noted
+  std::vector<double> cost_;            // of the life that a node stands for
 };
 
 }  // namespace emberfold::mcmc::detail

@@ -121,7 +121,8 @@ TEST_CASE("What a move costs is told by the lives that it touches", "[changes]")
       CHECK(costs.of(move.strands, next) - costs.noted(move.strands) == Approx(change).margin(1e-9));
       if (rng.uniform() > 0.3) continue;
       state = std::move(next);
-      costs.note(move.strands, state);
+      costs.of(move.strands, state);
+      costs.note();
       CHECK(costs.noted_of_all() == Approx(-after).margin(1e-9));
     }
   }
