@@ -177,16 +177,33 @@ struct NamedEvent {
   bool at_border = false;  ///< of a birth or a death
 };
 
+/// Returns whether a stroke of a frame is a ring that the picture's border cuts off.
+bool is_cut_off(const SketchSequence& sketch, SubgraphId stroke, std::size_t frame) {
+  constexpr double kAtBorder = 3;  // px; outlines of things run along it
+  const AttributeGraph& graph = sketch.frames[frame];
+  bool touches = false;
+  for (std::uint32_t v = 0; v < graph.size(); ++v) {
+    if (graph.vertices()[v].subgraph != stroke) continue;
+    if (graph.degree(v) < 2) return false;
+    const Point p = graph.patch(v).position;
+    touches |= std::min({p.x, p.y, sketch.width - 1 - p.x, sketch.height - 1 - p.y}) < kAtBorder;
+  }
+  return touches;
+}
+
 /// Returns whether the stroke that an event begins came in through the border, or the one it ends went out.
-bool is_at_border(const std::map<SubgraphId, detail::Life>& lives, const Event& event) {
+bool is_at_border(const SketchSequence& sketch, const std::map<SubgraphId, detail::Life>& lives,
+                  const Event& event) {
   const auto frame = static_cast<std::size_t>(event.frame);
   if (event.type == EventType::birth) {
-    const detail::Life& life = lives.at(event.after.front());
-    return life.first == frame && life.comes_in;
+    const SubgraphId stroke = event.after.front();
+    const detail::Life& life = lives.at(stroke);
+    return (life.first == frame && life.comes_in) || is_cut_off(sketch, stroke, frame);
   }
   if (event.type != EventType::death) return false;
-  const detail::Life& life = lives.at(event.before.front());
-  return life.last + 1 == frame && life.goes_out;
+  const SubgraphId stroke = event.before.front();
+  const detail::Life& life = lives.at(stroke);
+  return (life.last + 1 == frame && life.goes_out) || is_cut_off(sketch, stroke, frame - 1);
 }
 
 /// Adds the changes between two frames. `events`: of this frame.
@@ -231,7 +248,7 @@ std::vector<TopologyChange> topology_changes(const MotionGraph& motion) {
   std::vector<std::vector<NamedEvent>> by_frame(frames);
   for (std::size_t k = 0; k < traced.size(); ++k)
     by_frame[static_cast<std::size_t>(traced[k].event.frame)].push_back(
-        {std::move(traced[k]), contacts[k], is_at_border(lives, events[k])});
+        {std::move(traced[k]), contacts[k], is_at_border(motion.sketch, lives, events[k])});
   auto changes = find_neighbour_swaps(motion);
   for (std::size_t t = 1; t < by_frame.size(); ++t) add_frame_changes(motion, t, by_frame[t], changes);
   std::ranges::stable_sort(changes, {}, [](const TopologyChange& c) {

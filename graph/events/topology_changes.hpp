@@ -48,8 +48,9 @@ struct TopologyChange {
 /// contact; loops that close or open within linked strokes net of each other are rings; what tips and
 /// branches then lack are branches that grew or went. Swaps of neighbours (find_neighbour_swaps) add nothing.
 /// Sorted by frame, then change, then place. The strokes must be identified. Throws InputError as
-/// validate() does. A stroke that moves in or out through the picture's border enters or leaves; it is not
-/// born and does not die. O(n log n), and the squares of the tips of each cluster.
+/// validate() does. A stroke that moves in or out through the picture's border, and a ring that the border
+/// cuts off, enters or leaves; it is not born and does not die. O(n log n), and the squares of the tips of
+/// each cluster.
 std::vector<TopologyChange> topology_changes(const MotionGraph& motion);
 
 /// Finds swaps of neighbours (T1 processes): a short edge between two forks shrinks, and one across it grows,

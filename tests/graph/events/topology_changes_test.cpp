@@ -132,6 +132,21 @@ TEST_CASE("A stroke that moves through the border enters or leaves; one that end
   CHECK(changes_of(0, true) == Change::birth);
 }
 
+TEST_CASE("A ring that the border cuts off enters; one away from it is born", "[graph][events]") {
+  const auto change_of = [](double x) {
+    test::Frame frame;
+    frame.line({{x, 100}, {x, 120}, {x, 140}, {x + 20, 140}, {x + 20, 120}, {x + 20, 100}});
+    frame.edge(0, 5);
+    const auto changes = graph::topology_changes(
+        graph::identify(test::motion({graph::AttributeGraph(), frame.graph()}, {{}})));
+    REQUIRE(changes.size() == 2);
+    CHECK(std::ranges::count(changes, Change::ring_closed, &TopologyChange::change) == 1);
+    return changes[changes[0].change == Change::ring_closed ? 1 : 0].change;
+  };
+  CHECK(change_of(1) == Change::enters);
+  CHECK(change_of(8) == Change::birth);
+}
+
 TEST_CASE("A branch that grows out of a line, and goes, is one change with a length", "[graph][events]") {
   test::Frame line;
   line.line(test::segment({20, 100}, {120, 100}, 11));
