@@ -130,6 +130,46 @@ std::vector<Link> believed_links(const AttributeGraph& before, const AttributeGr
   return kept;
 }
 
+/// Returns the nearest patches of two strokes that may be linked: of two linked patches one has no other
+/// link.
+std::optional<Link> nearest_link(const AttributeGraph& before, const AttributeGraph& after,
+                                 std::span<const Link> links, SubgraphId from, SubgraphId to) {
+  std::vector<int> next(before.size()), previous(after.size());
+  for (const Link& link : links) ++next[before.index_of(link.before)], ++previous[after.index_of(link.after)];
+  std::vector<bool> shares(before.size()), is_shared(after.size());  // its partner with others
+  for (const Link& link : links) {
+    const std::size_t i = before.index_of(link.before), j = after.index_of(link.after);
+    shares[i] = shares[i] || previous[j] > 1, is_shared[j] = is_shared[j] || next[i] > 1;
+  }
+  double nearest = kLongestGap;
+  std::optional<Link> best;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before.vertices()[i].subgraph != from || shares[i]) continue;
+    for (std::size_t j = 0; j < after.size(); ++j) {
+      if (after.vertices()[j].subgraph != to || is_shared[j] || (next[i] > 0 && previous[j] > 0)) continue;
+      const double apart = distance(before.patch(i).position, after.patch(j).position);
+      if (apart < nearest) nearest = apart, best = {before.vertices()[i].id, after.vertices()[j].id};
+    }
+  }
+  return best;
+}
+
+/// Links each stroke that an event names before it with each after it, by their nearest patches where no link
+/// is left: a part that grows at once as it splits off was not born.
+void link_named_strokes(const AttributeGraph& before, const AttributeGraph& after,
+                        std::span<const Event* const> events, std::vector<Link>& links) {
+  std::set<std::pair<SubgraphId, SubgraphId>> joined;
+  for (const Link& link : links)
+    joined.emplace(before.vertices()[before.index_of(link.before)].subgraph,
+                   after.vertices()[after.index_of(link.after)].subgraph);
+  for (const Event* event : events)
+    for (const SubgraphId from : event->before)
+      for (const SubgraphId to : event->after)
+        if (joined.emplace(from, to).second)
+          if (const auto link = nearest_link(before, after, links, from, to))
+            links.insert(std::ranges::upper_bound(links, *link), *link);
+}
+
 /// Takes the strokes that are left out from the events.
 void remove_absent_strokes(const MotionGraph& motion, std::vector<Event>& events) {
   std::vector<std::set<SubgraphId>> there(motion.sketch.frames.size());
@@ -190,7 +230,9 @@ void keep_believed(MotionGraph& motion, std::vector<Event>& events, std::span<co
     const std::vector<bool> followed = t > 0 ? followed_patches(frames[t - 1], frames[t], motion.links[t])
                                              : std::vector<bool>(frames[t].size());
     frames[t] = join_pieces(frames[t], things, followed);
-    if (t > 0) motion.links[t] = believed_links(frames[t - 1], frames[t], motion.links[t], of_frame[t]);
+    if (t == 0) continue;
+    motion.links[t] = believed_links(frames[t - 1], frames[t], motion.links[t], of_frame[t]);
+    link_named_strokes(frames[t - 1], frames[t], of_frame[t], motion.links[t]);
   }
   remove_absent_strokes(motion, events);
 }

@@ -327,6 +327,27 @@ TEST_CASE("Pieces of a large thing are joined over any gap", "[graph][believed_g
   CHECK(motion.sketch.frames[1].edges().size() == 49);
 }
 
+TEST_CASE("A part that splits off without a link gets one", "[graph][believed_graph]") {
+  test::Frame whole, parts;
+  whole.line(test::segment({50, 100}, {80, 100}, 7));
+  parts.line(test::segment({50, 100}, {60, 100}, 3));
+  parts.line(test::segment({70, 112}, {80, 112}, 3));
+  auto motion = graph::identify(test::motion({whole.graph(), whole.graph(), parts.graph(), parts.graph()},
+                                             {same(7), same(3), same(6)}));
+  const auto names = [&](std::size_t t, std::size_t v) {
+    return motion.sketch.frames[t].vertices()[v].subgraph;
+  };
+  std::vector<graph::Event> events(1);
+  events[0].frame = 2, events[0].type = graph::EventType::disconnect, events[0].probability = 0.9;
+  events[0].before = {names(1, 0)}, events[0].after = {names(2, 0), names(2, 3)};
+  graph::keep_believed(motion, events, {}, 0.5);
+  graph::validate(motion);
+  CHECK(motion.links[2].size() == 4);
+  const auto left = graph::stroke_events(graph::identify(motion));
+  REQUIRE(left.size() == 1);
+  CHECK((left[0].frame == 2 && left[0].before.size() == 1 && left[0].after.size() == 2));
+}
+
 TEST_CASE("Strokes are components, and links join their patches or those of believed events",
           "[graph][believed_graph]") {
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
