@@ -13,6 +13,7 @@
 #include "graph/events/believed_lives.hpp"
 #include "graph/events/continued_strokes.hpp"
 #include "graph/events/kept_identity.hpp"
+#include "graph/matching/frame_links.hpp"
 
 namespace emberfold::graph {
 
@@ -130,44 +131,39 @@ std::vector<Link> believed_links(const AttributeGraph& before, const AttributeGr
   return kept;
 }
 
-/// Returns the nearest patches of two strokes that may be linked: of two linked patches one has no other
-/// link.
-std::optional<Link> nearest_link(const AttributeGraph& before, const AttributeGraph& after,
-                                 std::span<const Link> links, SubgraphId from, SubgraphId to) {
-  std::vector<int> next(before.size()), previous(after.size());
-  for (const Link& link : links) ++next[before.index_of(link.before)], ++previous[after.index_of(link.after)];
-  std::vector<bool> shares(before.size()), is_shared(after.size());  // its partner with others
-  for (const Link& link : links) {
-    const std::size_t i = before.index_of(link.before), j = after.index_of(link.after);
-    shares[i] = shares[i] || previous[j] > 1, is_shared[j] = is_shared[j] || next[i] > 1;
-  }
+/// Returns the nearest patches of two strokes that may be linked, as indices; none if the strokes are linked.
+std::optional<std::pair<std::size_t, std::size_t>> nearest_patches(const AttributeGraph& before,
+                                                                   const AttributeGraph& after,
+                                                                   const detail::LinkPartners& partners,
+                                                                   SubgraphId from, SubgraphId to) {
+  const auto is_of_to = [&](std::size_t j) { return after.vertices()[j].subgraph == to; };
   double nearest = kLongestGap;
-  std::optional<Link> best;
+  std::optional<std::pair<std::size_t, std::size_t>> best;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    if (before.vertices()[i].subgraph != from || shares[i]) continue;
+    if (before.vertices()[i].subgraph != from) continue;
+    if (std::ranges::any_of(partners.successors[i], is_of_to)) return std::nullopt;
     for (std::size_t j = 0; j < after.size(); ++j) {
-      if (after.vertices()[j].subgraph != to || is_shared[j] || (next[i] > 0 && previous[j] > 0)) continue;
-      const double apart = distance(before.patch(i).position, after.patch(j).position);
-      if (apart < nearest) nearest = apart, best = {before.vertices()[i].id, after.vertices()[j].id};
+      if (!is_of_to(j) || !partners.admit(i, j)) continue;
+      const double length = distance(before.patch(i).position, after.patch(j).position);
+      if (length < nearest) nearest = length, best = {i, j};
     }
   }
   return best;
 }
 
-/// Links each stroke that an event names before it with each after it, by their nearest patches where no link
-/// is left: a part that grows at once as it splits off was not born.
+/// Links each stroke that an event names in the frame before with each in the frame after, where no link
+/// is left: a part that grows within a frame as it splits off was not born.
 void link_named_strokes(const AttributeGraph& before, const AttributeGraph& after,
                         std::span<const Event* const> events, std::vector<Link>& links) {
-  std::set<std::pair<SubgraphId, SubgraphId>> joined;
-  for (const Link& link : links)
-    joined.emplace(before.vertices()[before.index_of(link.before)].subgraph,
-                   after.vertices()[after.index_of(link.after)].subgraph);
+  detail::LinkPartners partners(detail::index_links(before, after, links));
   for (const Event* event : events)
     for (const SubgraphId from : event->before)
       for (const SubgraphId to : event->after)
-        if (joined.emplace(from, to).second)
-          if (const auto link = nearest_link(before, after, links, from, to))
-            links.insert(std::ranges::upper_bound(links, *link), *link);
+        if (const auto pair = nearest_patches(before, after, partners, from, to)) {
+          partners.add(pair->first, pair->second);
+          links.push_back({before.vertices()[pair->first].id, after.vertices()[pair->second].id});
+        }
+  std::ranges::sort(links);
 }
 
 /// Takes the strokes that are left out from the events.

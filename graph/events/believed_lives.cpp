@@ -47,9 +47,7 @@ bool passes_border(const MotionGraph& motion, SubgraphId stroke, std::size_t fra
   const Point way = mean_displacement(motion, stroke, other, frame);
   if (norm(way) < kStands) return false;
   return std::ranges::all_of(motion.sketch.frames[frame].vertices(), [&](const Vertex& v) {
-    const Point p = v.patch.position + way;
-    return v.subgraph != stroke ||
-           std::min({p.x, p.y, motion.sketch.width - 1 - p.x, motion.sketch.height - 1 - p.y}) < kBorder;
+    return v.subgraph != stroke || distance_to_border(motion.sketch, v.patch.position + way) < kBorder;
   });
 }
 
@@ -77,6 +75,10 @@ double odds(double probability) {
 
 bool Life::is_thing() const {
   return 2 * closed > frames && static_cast<double>(patches) > kThing * static_cast<double>(frames);
+}
+
+double distance_to_border(const SketchSequence& sketch, Point place) {
+  return std::min({place.x, place.y, sketch.width - 1 - place.x, sketch.height - 1 - place.y});
 }
 
 bool names(std::span<const SubgraphId> strokes, SubgraphId stroke) {

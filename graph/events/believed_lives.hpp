@@ -40,6 +40,9 @@ inline constexpr double kEven = 0.5;
 /// the joint probability; returns whether any changed.
 bool settle_open_ends(const std::map<SubgraphId, Life>& lives, std::vector<Event>& events);
 
+/// Returns the distance of a place from the picture's border, px; negative outside.
+double distance_to_border(const SketchSequence& sketch, Point place);
+
 /// Returns whether a stroke is in a list.
 bool names(std::span<const SubgraphId> strokes, SubgraphId stroke);
 

@@ -179,14 +179,13 @@ struct NamedEvent {
 
 /// Returns whether a stroke of a frame is a ring that the picture's border cuts off.
 bool is_cut_off(const SketchSequence& sketch, SubgraphId stroke, std::size_t frame) {
-  constexpr double kAtBorder = 3;  // px; outlines of things run along it
+  constexpr double kAtBorder = 3;  // px; outlines that are cut off run along the border. Set by hand
   const AttributeGraph& graph = sketch.frames[frame];
   bool touches = false;
   for (std::uint32_t v = 0; v < graph.size(); ++v) {
     if (graph.vertices()[v].subgraph != stroke) continue;
     if (graph.degree(v) < 2) return false;
-    const Point p = graph.patch(v).position;
-    touches |= std::min({p.x, p.y, sketch.width - 1 - p.x, sketch.height - 1 - p.y}) < kAtBorder;
+    touches |= detail::distance_to_border(sketch, graph.patch(v).position) < kAtBorder;
   }
   return touches;
 }

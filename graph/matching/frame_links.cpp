@@ -22,6 +22,23 @@ FrameLinks index_links(const AttributeGraph& before, const AttributeGraph& after
   return result;
 }
 
+LinkPartners::LinkPartners(const FrameLinks& links)
+    : successors(links.successors.size()), predecessors(links.predecessors.size()) {
+  for (const auto& [i, j] : links.links) add(i, j);
+}
+
+bool LinkPartners::admit(std::size_t before, std::size_t after) const {
+  const auto &of_before = successors[before], &of_after = predecessors[after];
+  if (!of_before.empty() && !of_after.empty()) return false;
+  return std::ranges::all_of(of_before, [&](std::uint32_t w) { return predecessors[w].size() == 1; }) &&
+         std::ranges::all_of(of_after, [&](std::uint32_t v) { return successors[v].size() == 1; });
+}
+
+void LinkPartners::add(std::size_t before, std::size_t after) {
+  successors[before].push_back(static_cast<std::uint32_t>(after));
+  predecessors[after].push_back(static_cast<std::uint32_t>(before));
+}
+
 std::vector<ComponentPair> component_pairs(const AttributeGraph& before, const AttributeGraph& after,
                                            const Components& parts_before, const Components& parts_after,
                                            const FrameLinks& links) {

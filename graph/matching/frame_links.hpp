@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -19,6 +20,16 @@ struct FrameLinks {
 /// Looks up the vertices of links, all of which exist.
 FrameLinks index_links(const AttributeGraph& before, const AttributeGraph& after,
                        std::span<const Link> links);
+
+/// The partners of the vertices of two frames, by vertex index.
+struct LinkPartners {
+  std::vector<std::vector<std::uint32_t>> successors, predecessors;
+
+  explicit LinkPartners(const FrameLinks& links);
+  /// Returns whether a further link keeps the star forest: no link has others at both of its ends.
+  [[nodiscard]] bool admit(std::size_t before, std::size_t after) const;
+  void add(std::size_t before, std::size_t after);
+};
 
 /// A component before and one after that links connect.
 struct ComponentPair {

@@ -17,8 +17,6 @@ namespace {
 constexpr double kSlipAlong = 7.5, kSlipAcross = 3;
 constexpr double kTurn = 0.5;  // rad
 
-using Partners = std::vector<std::vector<std::uint32_t>>;
-
 /// A link that could be added, by vertex index.
 struct Offer {
   double way = 0;  ///< from where it is expected, in half axes
@@ -33,8 +31,9 @@ bool goes_on(const Patch& a, const Patch& b) {
 
 /// Offers each unlinked vertex of one frame its nearest partner around those of its neighbours.
 /// `forward`: the other frame is the one after it.
-void offer_links(const AttributeGraph& here, const AttributeGraph& there, const Partners& partners,
-                 bool forward, std::vector<Offer>& offers) {
+void offer_links(const AttributeGraph& here, const AttributeGraph& there,
+                 const std::vector<std::vector<std::uint32_t>>& partners, bool forward,
+                 std::vector<Offer>& offers) {
   for (std::uint32_t v = 0; v < here.size(); ++v) {
     if (!partners[v].empty()) continue;
     Offer best;
@@ -60,29 +59,19 @@ void offer_links(const AttributeGraph& here, const AttributeGraph& there, const 
   }
 }
 
-/// Returns whether a link keeps the star forest: no link has others at both of its ends.
-bool fits(const Offer& offer, const Partners& successors, const Partners& predecessors) {
-  const auto &of_before = successors[offer.before], &of_after = predecessors[offer.after];
-  if (!of_before.empty() && !of_after.empty()) return false;
-  return std::ranges::all_of(of_before, [&](std::uint32_t w) { return predecessors[w].size() == 1; }) &&
-         std::ranges::all_of(of_after, [&](std::uint32_t v) { return successors[v].size() == 1; });
-}
-
 std::vector<Link> find_skipped(const AttributeGraph& before, const AttributeGraph& after,
                                std::span<const Link> links) {
-  Partners successors(before.size()), predecessors(after.size());
-  for (const auto& [i, j] : detail::index_links(before, after, links).links)
-    successors[i].push_back(j), predecessors[j].push_back(i);
+  detail::LinkPartners partners(detail::index_links(before, after, links));
   std::vector<Link> skipped;
   for (bool grows = true; grows;) {  // those beside newly linked ones come next
     grows = false;
     std::vector<Offer> offers;
-    offer_links(before, after, successors, true, offers);
-    offer_links(after, before, predecessors, false, offers);
+    offer_links(before, after, partners.successors, true, offers);
+    offer_links(after, before, partners.predecessors, false, offers);
     std::ranges::sort(offers, {}, &Offer::key);
     for (const Offer& offer : offers) {
-      if (!fits(offer, successors, predecessors)) continue;
-      successors[offer.before].push_back(offer.after), predecessors[offer.after].push_back(offer.before);
+      if (!partners.admit(offer.before, offer.after)) continue;
+      partners.add(offer.before, offer.after);
       skipped.push_back({before.vertices()[offer.before].id, after.vertices()[offer.after].id});
       grows = true;
     }

@@ -43,7 +43,6 @@ LifeCosts::LifeCosts(const ChangeField& field, const std::vector<bool>& open, co
 }
 
 void LifeCosts::list_changes(const std::vector<bool>& can_happen) {
-  std::vector<std::vector<std::uint32_t>> changes(nodes_.size()), gaps(nodes_.size());
   for (std::uint32_t k = 0; k < field_.changes.size(); ++k) {
     const Change& change = field_.changes[k];
     const auto nodes = [&](const std::vector<std::uint32_t>& side) {
@@ -52,29 +51,19 @@ void LifeCosts::list_changes(const std::vector<bool>& can_happen) {
     changes_.push_back(
         {change.frame, is_birth(change), is_death(change), nodes(change.before), nodes(change.after)});
     if (!can_happen[k]) continue;
+    std::set<std::uint32_t> concerned;
     for (const auto* side : {&change.before, &change.after})
-      for (const std::uint32_t s : *side)
-        if (auto& of = changes[node_of_[s]]; of.empty() || of.back() != k) of.push_back(k);
+      for (const std::uint32_t s : *side) concerned.insert(node_of_[s]);
+    for (const std::uint32_t n : concerned) {
+      nodes_[n].changes.push_back(k);
+      for (const std::uint32_t other : concerned)
+        if (other != n && !is_birth(change) && !is_death(change)) nodes_[n].joints.push_back({k, other});
+    }
   }
   for (std::uint32_t g = 0; g < field_.gaps.size(); ++g)
     for (const std::uint32_t s :
          {field_.changes[field_.gaps[g].death].before[0], field_.changes[field_.gaps[g].birth].after[0]})
-      gaps[node_of_[s]].push_back(g);
-  for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
-    for (const std::uint32_t k : changes[n]) {
-      const NodesOfChange& change = changes_[k];
-      if (change.is_birth || change.is_death) continue;
-      std::set<std::uint32_t> others(change.before.begin(), change.before.end());
-      others.insert(change.after.begin(), change.after.end());
-      others.erase(n);
-      for (const std::uint32_t other : others) joints_of_nodes_.push_back({k, other});
-    }
-    changes_of_nodes_.insert(changes_of_nodes_.end(), changes[n].begin(), changes[n].end());
-    gaps_of_nodes_.insert(gaps_of_nodes_.end(), gaps[n].begin(), gaps[n].end());
-    nodes_[n].changes = static_cast<std::uint32_t>(changes_of_nodes_.size());
-    nodes_[n].joints = static_cast<std::uint32_t>(joints_of_nodes_.size());
-    nodes_[n].gaps = static_cast<std::uint32_t>(gaps_of_nodes_.size());
-  }
+      nodes_[node_of_[s]].gaps.push_back(g);
 }
 
 void LifeCosts::join_strands(const std::vector<bool>& can_happen) {
@@ -111,16 +100,14 @@ double LifeCosts::cost_of_life(std::uint32_t node, const ChangeState& state) {
     if (seen_[n] != number) seen_[n] = number, found_nodes_.push_back(n);
   };
   visit(node);
-  const Node none;
   Extent life;
   for (std::size_t i = begin; i < found_nodes_.size(); ++i) {
-    const std::uint32_t n = found_nodes_[i];
-    const Node &one = nodes_[n], &before = n == 0 ? none : nodes_[n - 1];
+    const Node& one = nodes_[found_nodes_[i]];
     life.add(one.extent);
-    for (std::uint32_t c = before.joints; c < one.joints; ++c)
-      if (const Joint& joint = joints_of_nodes_[c]; !state.happened[joint.change]) visit(joint.node);
-    for (std::uint32_t c = before.gaps; c < one.gaps; ++c)
-      if (const std::uint32_t g = gaps_of_nodes_[c]; state.bridged[g])
+    for (const Joint& joint : one.joints)
+      if (!state.happened[joint.change]) visit(joint.node);
+    for (const std::uint32_t g : one.gaps)
+      if (state.bridged[g])
         visit(changes_[field_.gaps[g].death].before[0]), visit(changes_[field_.gaps[g].birth].after[0]);
   }
   const graph::detail::Life shape{.frames = life.frames, .patches = life.patches, .closed = life.closed};
@@ -138,11 +125,9 @@ double LifeCosts::cost_of_life(std::uint32_t node, const ChangeState& state) {
     if (at_last) end = std::max(end, change.is_death ? kLifeCost : kPartCost);
     if ((change.is_birth && !at_first) || (change.is_death && !at_last)) misplaced += kLifeCost;
   };
-  for (std::size_t i = begin; i < found_nodes_.size(); ++i) {
-    const std::uint32_t n = found_nodes_[i];
-    for (std::uint32_t c = n == 0 ? 0 : nodes_[n - 1].changes; c < nodes_[n].changes; ++c)
-      if (const std::uint32_t k = changes_of_nodes_[c]; state.happened[k]) add(changes_[k]);
-  }
+  for (std::size_t i = begin; i < found_nodes_.size(); ++i)
+    for (const std::uint32_t k : nodes_[found_nodes_[i]].changes)
+      if (state.happened[k]) add(changes_[k]);
   return misplaced + (is_thing || ends ? 0 : beginning) + (is_thing || begins ? 0 : end);
 }
 

@@ -48,17 +48,18 @@ class LifeCosts {
     std::size_t patches = 0, closed = 0, frames = 0;
     void add(const Extent& other);
   };
+  struct Joint {  // one life with another node while a change does not happen
+    std::uint32_t change = 0, node = 0;
+  };
   struct Node {  // strands that are one life in every state
     Extent extent;
-    std::uint32_t changes = 0, joints = 0, gaps = 0;  // ends of its parts of the lists below
+    std::vector<std::uint32_t> changes, gaps;
+    std::vector<Joint> joints;
   };
   struct NodesOfChange {  // a change has one or two strands on a side
     int frame = 0;
     bool is_birth = false, is_death = false;
     std::array<std::uint32_t, 2> before{}, after{};  // the same twice for one strand
-  };
-  struct Joint {  // one life with another node while a change does not happen
-    std::uint32_t change = 0, node = 0;
   };
   struct Life {
     std::size_t end = 0;  // of its part of found_nodes_
@@ -71,8 +72,6 @@ class LifeCosts {
   const ChangeField& field_;
   std::vector<std::uint32_t> node_of_;  // each strand
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> changes_of_nodes_, gaps_of_nodes_;
-  std::vector<Joint> joints_of_nodes_;
   std::vector<NodesOfChange> changes_;
   std::vector<std::uint32_t> seen_;  // with which life each node was seen last
   std::uint32_t seen_lives_ = 0;

@@ -14,7 +14,7 @@ std::vector<Chain> without_same_edges(std::vector<Chain> curves, const ScaleSpac
                                       const std::vector<Chain>& others, cv::Size size) {
   if (others.empty()) return curves;
   constexpr double kSame = 3, kSameScale = 1.5;  // px, SD of the smoothing
-  constexpr std::ptrdiff_t kFewest = 12;         // points, of what goes on beyond another edge
+  constexpr std::ptrdiff_t kFewest = 5;          // points
   const auto pixel_of = [&](const CreasePoint& p) {
     return cv::Point(std::clamp(cvRound(p.position.x), 0, size.width - 1),
                      std::clamp(cvRound(p.position.y), 0, size.height - 1));

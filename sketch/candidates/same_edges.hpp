@@ -12,8 +12,8 @@ namespace emberfold::sketch {
 
 /// Leaves out the parts of curves that lie along other curves: within 3 px, or 1.5 times the smoothing at
 /// which a curve was found. They are the same edges and lines in another channel; videos blur colours and
-/// shift them, and an edge that is shifted has a thin line beside it. Parts of fewer than 12 points go.
-/// `space`: of `curves`; `size`: of the frame. O(pixels + points).
+/// shift them, and an edge that is shifted has a thin line next to it. Parts of fewer than 5 points are
+/// dropped. `space`: of `curves`; `size`: of the frame. O(pixels + points).
 std::vector<Chain> without_same_edges(std::vector<Chain> curves, const ScaleSpace& space,
                                       const std::vector<Chain>& others, cv::Size size);
 
