@@ -29,6 +29,7 @@ constexpr double kSamePlace = 15;   // px: largest distance between the two even
 constexpr double kSameStroke = 4;   // px: largest mean distance of a stroke that comes back
 constexpr double kNearMiddle = 20;  // px: the same of its middle, which growth moves too
 constexpr double kWidestTear = 25;  // px: widest gap that is bridged
+constexpr int kSpeck = 1;           // frames: what lasts no longer cannot be followed
 constexpr double kWidestGap = 60;   // px: the same where pieces part and unite in one place
 
 std::vector<Draft> make_drafts(const SketchSequence& sketch) {
@@ -293,8 +294,8 @@ class FlickerRepair {
 SketchSequence remove_flicker(const MotionGraph& motion, int frames) {
   if (motion.sketch.frames.empty() || frames <= 0) return motion.sketch;
   std::vector<Draft> changed = make_drafts(motion.sketch);
-  const auto repaired = FlickerRepair(motion, Lasting(motion, frames, false), frames).repair(changed);
-  const Lasting lasts(motion, frames, true);
+  const auto repaired = FlickerRepair(motion, Lasting(motion, frames), frames).repair(changed);
+  const Lasting lasts(motion, kSpeck);
   SketchSequence result{motion.sketch.width, motion.sketch.height, motion.sketch.fps, {}};
   for (std::size_t t = 0; t < changed.size(); ++t) {
     remove_short_lived(changed[t], t, lasts, repaired);

@@ -9,22 +9,11 @@
 
 #include <boost/pending/disjoint_sets.hpp>
 
-#include "core/math/robust.hpp"
-
 namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr double kMostPersistence = 2;  // largest factor on how long a stroke of low gain has to last
-
 using Sets = boost::disjoint_sets<std::uint8_t*, std::uint32_t*>;
-
-/// Returns the factor on the least duration of a stroke: 1 for patches of median gain, up to 2 for lower
-/// gains.
-double persistence_factor(double gain, double usual) {
-  if (!(usual > 0)) return 1;
-  return gain * kMostPersistence <= usual ? kMostPersistence : std::max(1.0, usual / gain);
-}
 
 /// Joins what edges and links connect; vertices are numbered through the clip.
 void unite_components(const MotionGraph& motion, std::span<const std::size_t> begin, Sets& wholes) {
@@ -40,17 +29,12 @@ void unite_components(const MotionGraph& motion, std::span<const std::size_t> be
 
 }  // namespace
 
-Lasting::Lasting(const MotionGraph& motion, int frames, bool weigh_gain) {
+Lasting::Lasting(const MotionGraph& motion, int frames) {
   const auto& graphs = motion.sketch.frames;
-  std::vector<double> gains;
-  for (const AttributeGraph& g : graphs) {
-    begin_.push_back(gains.size());
-    for (const Vertex& v : g.vertices()) gains.push_back(v.patch.gain);
-  }
-  const std::size_t n = gains.size();
+  std::size_t n = 0;
+  for (const AttributeGraph& g : graphs) begin_.push_back(std::exchange(n, n + g.size()));
   struct Whole {
-    std::uint32_t first = std::numeric_limits<std::uint32_t>::max(), last = 0, patches = 0;
-    double gain = 0;
+    std::uint32_t first = std::numeric_limits<std::uint32_t>::max(), last = 0;
   };
   std::vector<std::uint8_t> rank(n);
   std::vector<std::uint32_t> parent(n);
@@ -69,18 +53,12 @@ Lasting::Lasting(const MotionGraph& motion, int frames, bool weigh_gain) {
     for (std::size_t i = begin_[t]; i < begin_[t] + graphs[t].size(); ++i) {
       Whole& whole = wholes[whole_of[i]];
       whole.first = std::min(whole.first, t), whole.last = std::max(whole.last, t);
-      whole.gain += gains[i], ++whole.patches;
     }
-  const double usual = gains.empty() ? 0 : core::median(std::move(gains));
   const std::size_t end = graphs.size() - 1;
   std::vector<bool> lasts;
   for (const Whole& whole : wholes) {
-    // It may have lasted longer outside the clip.
-    const double least =
-        whole.first == 0 || whole.last == end
-            ? 1
-            : frames * (weigh_gain ? persistence_factor(whole.gain / whole.patches, usual) : 1);
-    lasts.push_back(static_cast<double>(whole.last - whole.first + 1) > least);
+    const bool may_be_cut_off = whole.first == 0 || whole.last == end;  // it may have lasted longer
+    lasts.push_back(static_cast<int>(whole.last - whole.first) >= (may_be_cut_off ? 1 : frames));
   }
   for (const std::uint32_t whole : whole_of) lasts_.push_back(lasts[whole]);
 }

@@ -9,11 +9,10 @@
 namespace emberfold::graph::detail {
 
 /// Tells of each vertex of a motion graph whether its component over all frames, by edges and links, lasts
-/// long enough.
+/// longer than some frames, in the clip's first and last frame than one.
 class Lasting {
  public:
-  /// `weigh_gain`: components of low gain have to last longer.
-  Lasting(const MotionGraph& motion, int frames, bool weigh_gain);
+  Lasting(const MotionGraph& motion, int frames);
 
   [[nodiscard]] bool operator()(std::size_t frame, std::size_t vertex) const {
     return lasts_[begin_[frame] + vertex];

@@ -23,7 +23,7 @@ struct MatchOptions {
         {"max_motion", &MatchOptions::max_motion, "PX", above(0),
          "Link nothing farther than this from its expected place"},
         {"flicker", &MatchOptions::flicker, "FRAMES", between(0, 100),
-         "Remove what appears and disappears within this number of frames; 0: nothing"},
+         "Undo changes that reverse each other within this number of frames; 0: none"},
     });
   }
   /// Throws InputError naming field, value and range.

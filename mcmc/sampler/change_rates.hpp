@@ -16,7 +16,7 @@ inline constexpr double kUsualShare = 0.4;  ///< of true changes, where the log 
 /// over how often the graphs read one.
 /// The share at a place is the mean of the changes' probabilities, weighted by (1 − d²/kRateReach²)² at the
 /// distance d; half of a true and of a false change are counted beforehand. It is one for each square of 32
-/// px.
+/// px. Births and deaths of strokes that last at most three frames have a share of their own.
 class ChangeRates {
  public:
   explicit ChangeRates(const ChangeField& field);
@@ -31,6 +31,7 @@ class ChangeRates {
 
  private:
   struct Square {
+    bool brief;   // its changes are of strokes that last a short time
     double x, y;  // px, of its middle
     std::vector<std::uint32_t> changes;
   };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -19,6 +20,8 @@ namespace {
 
 constexpr int kLeastSide = 32;    // px of the view: smaller frames hold no figures
 constexpr double kOnOutline = 4;  // px
+constexpr std::size_t kFadingFrames =
+    3;  // frames that a figure of less than half of its contrast is seen at most
 
 /// Returns the strokes' changes, each with the probability and place of the change of regions that it is.
 std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector<FigureEvent>& weighed,
@@ -59,6 +62,31 @@ std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector
   return events;
 }
 
+/// Returns the distance of each pixel of a frame from the outlines of figures that are there, or end up to
+/// kFadingFrames frames before it or begin as much after it, px.
+cv::Mat1f distance_from_figures(const graph::SketchSequence& outlines, std::size_t t) {
+  const FigureView view{1, {outlines.width, outlines.height}};
+  const auto strokes_of = [](const graph::AttributeGraph& graph) {
+    std::set<graph::SubgraphId> strokes;
+    for (const graph::Vertex& vertex : graph.vertices()) strokes.insert(vertex.subgraph);
+    return strokes;
+  };
+  const auto there = strokes_of(outlines.frames[t]);
+  cv::Mat1f distance(view.size, std::numeric_limits<float>::max());
+  const std::size_t first = t - std::min(t, kFadingFrames),
+                    last = std::min(t + kFadingFrames, outlines.frames.size() - 1);
+  for (std::size_t other = first; other <= last; ++other) {
+    const graph::AttributeGraph& graph = outlines.frames[other];
+    if (graph.empty() || (other != t && std::ranges::includes(there, strokes_of(graph)))) continue;
+    std::vector<bool> counts;
+    for (const graph::Vertex& vertex : graph.vertices())
+      counts.push_back(other == t || !there.contains(vertex.subgraph));
+    const cv::Mat1f from_these = distance_from_edges(graph::induced_subgraph(graph, counts), view);
+    distance = cv::min(cv::Mat(distance), cv::Mat(from_these));
+  }
+  return distance;
+}
+
 }  // namespace
 
 Figures find_figures(core::FrameSource& source, const graph::SketchSequence& lines,
@@ -78,12 +106,8 @@ graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
                                        const graph::SketchSequence& outlines) {
   graph::SketchSequence left{lines.width, lines.height, lines.fps, {}};
   for (std::size_t t = 0; t < lines.frames.size(); ++t) {
-    const auto &of_lines = lines.frames[t], &of_figures = outlines.frames[t];
-    if (of_figures.empty()) {
-      left.append(of_lines);
-      continue;
-    }
-    const cv::Mat1f distance = distance_from_edges(of_figures, {1, {lines.width, lines.height}});
+    const auto& of_lines = lines.frames[t];
+    const cv::Mat1f distance = distance_from_figures(outlines, t);
     std::vector<bool> stays;
     for (std::size_t i = 0; i < of_lines.size(); ++i) {
       const graph::Patch& patch = of_lines.patch(i);

@@ -27,7 +27,8 @@ struct Figures {
 Figures find_figures(core::FrameSource& source, const graph::SketchSequence& lines,
                      const core::Context& context = {});
 
-/// Returns the sketches without the lines that figures show: those whose flanks lie on an outline.
+/// Returns the sketches without the lines that figures show: those whose flanks lie on an outline, also
+/// some frames before a figure begins and after it ends, while it fades.
 graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
                                        const graph::SketchSequence& outlines);
 

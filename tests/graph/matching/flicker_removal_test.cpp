@@ -83,7 +83,6 @@ TEST_CASE("What flickers for up to three frames makes no events, what lasts long
       {"pieces that touch", kTorn, kStroke, EventType::merge, EventType::split},
       {"strokes that are bridged", kPair, kBridged, EventType::connect, EventType::disconnect},
       {"a bridge that is lost", kBridged, kPair, EventType::disconnect, EventType::connect},
-      {"a stroke that is there", kStroke, kCompany, EventType::birth, EventType::death},
       {"a stroke that is missing", kCompany, kStroke, EventType::death, EventType::birth}};
   for (const Case& c : cases) {
     INFO(c.name);
@@ -149,12 +148,6 @@ std::vector<graph::Event> events_of(const std::vector<AttributeGraph>& frames) {
   return graph::stroke_events(graph::match(sketch, {}));
 }
 
-AttributeGraph gaining(const AttributeGraph& graph, double from_x, double gain) {
-  std::vector<Vertex> vertices(graph.vertices().begin(), graph.vertices().end());
-  for (Vertex& v : vertices) v.patch.gain = v.patch.position.x < from_x ? 100 : gain;
-  return {vertices, {graph.edges().begin(), graph.edges().end()}};
-}
-
 }  // namespace
 
 TEST_CASE("A stroke that falls into pieces as it fades dies once and one that appears in pieces is born once",
@@ -195,26 +188,15 @@ TEST_CASE("A stroke of which only pieces far apart show for a frame is born and 
   for (const graph::Event& event : events) CHECK(graph::distance(event.position, {40, 50}) < 8);
 }
 
-TEST_CASE("A stroke that gains little has to be seen twice as long", "[graph][steady]") {
-  for (const int length : {4, 5, 6, 7}) {
-    for (const double gain : {100.0, 30.0}) {
-      INFO(length << " frames, gain " << gain);
-      std::vector<AttributeGraph> frames;
-      for (int t = 0; t < 16; ++t)
-        frames.push_back(gaining(draw(t >= 4 && t < 4 + length ? kCompany : kStroke), 70, gain));
-      CHECK(events_of(frames).size() == (gain == 100 || length > 6 ? 2 : 0));
-    }
-  }
-}
-
-TEST_CASE("How long a stroke has to be seen grows as its gain falls", "[graph][steady]") {
-  // 100 / 70 of three frames: more than four.
-  for (const int length : {4, 5}) {
-    std::vector<AttributeGraph> frames;
-    for (int t = 0; t < 16; ++t)
-      frames.push_back(gaining(draw(t >= 4 && t < 4 + length ? kCompany : kStroke), 70, 70));
-    CHECK(events_of(frames).size() == (length == 5 ? 2 : 0));
-  }
+TEST_CASE("A stroke that is there for one frame is left out, one that is there for two stays",
+          "[graph][steady]") {
+  CHECK(events_with(kStroke, kCompany, 5, 6, 3).empty());
+  const auto events = events_with(kStroke, kCompany, 5, 7, 3);
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].type == EventType::birth);
+  CHECK(events[0].frame == 5);
+  CHECK(events[1].type == EventType::death);
+  CHECK(events[1].frame == 7);
 }
 
 TEST_CASE("Of states to and fro the shortest is undone", "[graph][steady]") {

@@ -108,6 +108,28 @@ TEST_CASE("What happens in one place says nothing about a change far away", "[ch
   CHECK(of_one.log_odds() == std::vector<double>{rates.log_odds()[0], -6, -6});
 }
 
+TEST_CASE("Strokes that last a short time say nothing about others, and others nothing about them",
+          "[changes]") {
+  const auto rates_of = [](const ChangeField& field) {
+    ChangeRates rates(field);
+    rates.learn_alone();
+    return rates.log_odds();
+  };
+  const auto with_births_of = [&](int frames) {
+    ChangeField field = apart({2, 1});
+    for (int k = 0; k < 5; ++k) {
+      field.strands.push_back({5, 5 + frames - 1, false, false, 9, 0});
+      const auto stroke = static_cast<std::uint32_t>(field.strands.size() - 1);
+      field.changes.push_back({EventType::birth, 5, {}, -6, true, {}, {stroke}});
+    }
+    return rates_of(field);
+  };
+  const auto alone = rates_of(apart({2, 1}));
+  CHECK(with_births_of(4)[0] < alone[0]);
+  CHECK(with_births_of(3)[0] == alone[0]);
+  CHECK(with_births_of(3)[2] < with_births_of(4)[2]);
+}
+
 TEST_CASE("Changes that know nothing of each other have the probability of their odds", "[changes]") {
   std::vector<double> images;
   for (int k = 0; k < 60; ++k) images.push_back(-5 + k / 6.0);

@@ -444,6 +444,25 @@ TEST_CASE("lines that lie on outlines are left out, others stay") {
   }
 }
 
+TEST_CASE("lines in a figure that fades are left out while it does") {
+  const int last = kFrames / 2;  // at more than half of its contrast
+  const auto clip = film([=](Point p, int t) {
+    const double there = t <= last ? 1 : std::max(0., 0.4 - 0.1 * (t - last - 1));
+    return levels(there * disc(p, {80, 60}, 12), true);
+  });
+  const auto outlines = figures_of(clip).motion.sketch;
+  REQUIRE_FALSE(outlines.frames[static_cast<std::size_t>(last)].empty());
+  REQUIRE(outlines.frames[static_cast<std::size_t>(last) + 1].empty());
+  graph::Patch inside;
+  inside.position = {72, 60}, inside.width = 8;
+  graph::SketchSequence lines{kWidth, kHeight, 25, {}};
+  for (int t = 0; t < kFrames; ++t)
+    lines.append(graph::AttributeGraph({{graph::VertexId{0}, {}, inside}}, {}));
+  const auto left = pipeline::without_outlines(lines, outlines);
+  for (int t = last; t < kFrames; ++t)
+    CHECK(left.frames[static_cast<std::size_t>(t)].empty() == (t <= last + 3));
+}
+
 TEST_CASE("figures join the lines of a clip, and events name the strokes of both") {
   const auto clip = film(approaching(true));
   auto figures = figures_of(clip);
