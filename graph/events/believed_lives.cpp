@@ -3,15 +3,16 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
-#include "graph/matching/frame_links.hpp"
 
 namespace emberfold::graph::detail {
 
 namespace {
 
-constexpr double kThing = 20;  // patches, about 100 px
-constexpr double kBorder = 5;  // px: nearer to the picture's border, a stroke goes out through it
+constexpr double kThing = 20;     // patches, about 100 px
+constexpr double kBorder = 5;     // px: nearer to the picture's border, a stroke goes out through it
+constexpr double kShortest = 12;  // px: the sketch draws no shorter strokes
 constexpr double kLeast = 0.1,
                  kMost = 0.6;       // probabilities beyond are taken as these: draws know of both ends
 constexpr double kRounding = 1e-9;  // of a probability
@@ -41,14 +42,26 @@ std::map<SubgraphId, Life> lives_of(const SketchSequence& sketch) {
   return lives;
 }
 
+/// How near a stroke of a frame comes to the picture's border, and how far from it it reaches, px.
+struct Reach {
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+};
+Reach reach_of(const SketchSequence& sketch, SubgraphId stroke, std::size_t frame) {
+  Reach reach;
+  for (const Vertex& v : sketch.frames[frame].vertices()) {
+    if (v.subgraph != stroke) continue;
+    const double distance = distance_to_border(sketch, v.patch.position);
+    reach.least = std::min(reach.least, distance), reach.most = std::max(reach.most, distance);
+  }
+  return reach;
+}
+
 /// Returns whether a stroke of a frame, going on as it came from another one (one before or after), would be
-/// at the picture's border or outside.
-bool passes_border(const MotionGraph& motion, SubgraphId stroke, std::size_t frame, std::size_t other) {
-  const Point way = mean_displacement(motion, stroke, other, frame);
-  if (norm(way) < kStands) return false;
-  return std::ranges::all_of(motion.sketch.frames[frame].vertices(), [&](const Vertex& v) {
-    return v.subgraph != stroke || distance_to_border(motion.sketch, v.patch.position + way) < kBorder;
-  });
+/// at the picture's border or beyond it, and what is left of it too short to be drawn.
+bool passes_border(const SketchSequence& sketch, SubgraphId stroke, std::size_t frame, std::size_t other) {
+  const Reach now = reach_of(sketch, stroke, frame), was = reach_of(sketch, stroke, other);
+  const double by = was.most - now.most;  // of its far end: the border cuts off the near one
+  return by >= kStands && now.least - by < kBorder && now.most - by < kShortest;
 }
 
 /// Returns the likeliest event that names a stroke in a frame, before or after it; null if there is none.
@@ -109,8 +122,8 @@ std::map<SubgraphId, Life> believed_lives(const MotionGraph& motion, const Belie
                       previous = life.last - (life.last > life.first);
     life.begins = is_named(believed[life.first], &Event::after, stroke);
     life.ends = is_named(believed[life.last + 1], &Event::before, stroke);
-    life.comes_in = is_cut(life.first) || passes_border(motion, stroke, life.first, next);
-    life.goes_out = is_cut(life.last + 1) || passes_border(motion, stroke, life.last, previous);
+    life.comes_in = is_cut(life.first) || passes_border(motion.sketch, stroke, life.first, next);
+    life.goes_out = is_cut(life.last + 1) || passes_border(motion.sketch, stroke, life.last, previous);
   }
   return lives;
 }

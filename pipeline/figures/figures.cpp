@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -20,8 +19,8 @@ namespace {
 
 constexpr int kLeastSide = 32;    // px of the view: smaller frames hold no figures
 constexpr double kOnOutline = 4;  // px
-constexpr std::size_t kFadingFrames =
-    3;  // frames that a figure of less than half of its contrast is seen at most
+// Frames that a figure of less than half of its contrast is seen at most.
+constexpr std::size_t kFadingFrames = 2;
 
 /// Returns the strokes' changes, each with the probability and place of the change of regions that it is.
 std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector<FigureEvent>& weighed,
@@ -62,29 +61,30 @@ std::vector<graph::Event> events_of(const DrawnFigures& drawn, const std::vector
   return events;
 }
 
-/// Returns the distance of each pixel of a frame from the outlines of figures that are there, or end up to
-/// kFadingFrames frames before it or begin as much after it, px.
-cv::Mat1f distance_from_figures(const graph::SketchSequence& outlines, std::size_t t) {
-  const FigureView view{1, {outlines.width, outlines.height}};
-  const auto strokes_of = [](const graph::AttributeGraph& graph) {
-    std::set<graph::SubgraphId> strokes;
-    for (const graph::Vertex& vertex : graph.vertices()) strokes.insert(vertex.subgraph);
-    return strokes;
-  };
-  const auto there = strokes_of(outlines.frames[t]);
-  cv::Mat1f distance(view.size, std::numeric_limits<float>::max());
-  const std::size_t first = t - std::min(t, kFadingFrames),
-                    last = std::min(t + kFadingFrames, outlines.frames.size() - 1);
-  for (std::size_t other = first; other <= last; ++other) {
-    const graph::AttributeGraph& graph = outlines.frames[other];
-    if (graph.empty() || (other != t && std::ranges::includes(there, strokes_of(graph)))) continue;
-    std::vector<bool> counts;
-    for (const graph::Vertex& vertex : graph.vertices())
-      counts.push_back(other == t || !there.contains(vertex.subgraph));
-    const cv::Mat1f from_these = distance_from_edges(graph::induced_subgraph(graph, counts), view);
-    distance = cv::min(cv::Mat(distance), cv::Mat(from_these));
+/// Returns which patches of a frame's lines have a flank on one of these outlines.
+std::vector<bool> on_outlines(const graph::AttributeGraph& lines, const graph::AttributeGraph& outlines,
+                              cv::Size size) {
+  if (outlines.empty()) return std::vector<bool>(lines.size());
+  const cv::Mat1f distance = distance_from_edges(outlines, {1, size});
+  std::vector<bool> on;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const graph::Patch& patch = lines.patch(i);
+    const int x = std::clamp(cvRound(patch.position.x), 0, size.width - 1),
+              y = std::clamp(cvRound(patch.position.y), 0, size.height - 1);
+    on.push_back(distance(y, x) <= kOnOutline + patch.width / 2 + patch.blur);
   }
-  return distance;
+  return on;
+}
+
+/// Returns the outlines of a frame near t that frame t has not: of figures that fade there.
+graph::AttributeGraph fading_outlines(const graph::SketchSequence& outlines, std::size_t near,
+                                      std::size_t t) {
+  std::set<graph::SubgraphId> there;
+  for (const graph::Vertex& vertex : outlines.frames[t].vertices()) there.insert(vertex.subgraph);
+  std::vector<bool> fades;
+  for (const graph::Vertex& vertex : outlines.frames[near].vertices())
+    fades.push_back(!there.contains(vertex.subgraph));
+  return graph::induced_subgraph(outlines.frames[near], fades);
 }
 
 }  // namespace
@@ -104,17 +104,23 @@ Figures find_figures(core::FrameSource& source, const graph::SketchSequence& lin
 
 graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
                                        const graph::SketchSequence& outlines) {
+  const cv::Size size{lines.width, lines.height};
   graph::SketchSequence left{lines.width, lines.height, lines.fps, {}};
   for (std::size_t t = 0; t < lines.frames.size(); ++t) {
     const auto& of_lines = lines.frames[t];
-    const cv::Mat1f distance = distance_from_figures(outlines, t);
-    std::vector<bool> stays;
-    for (std::size_t i = 0; i < of_lines.size(); ++i) {
-      const graph::Patch& patch = of_lines.patch(i);
-      const int x = std::clamp(cvRound(patch.position.x), 0, lines.width - 1),
-                y = std::clamp(cvRound(patch.position.y), 0, lines.height - 1);
-      stays.push_back(distance(y, x) > kOnOutline + patch.width / 2 + patch.blur);
+    const std::vector<bool> on = on_outlines(of_lines, outlines.frames[t], size);
+    std::vector<bool> shown = on;
+    const std::size_t first = t - std::min(t, kFadingFrames),
+                      last = std::min(t + kFadingFrames, lines.frames.size() - 1);
+    for (std::size_t near = first; near <= last; ++near) {
+      const auto fading = on_outlines(of_lines, fading_outlines(outlines, near, t), size);
+      for (std::size_t i = 0; i < shown.size(); ++i) shown[i] = shown[i] || fading[i];
     }
+    const graph::Components strokes = graph::components(of_lines);
+    std::vector<bool> is_shown(strokes.count, true), stays;  // whole strokes
+    for (std::size_t i = 0; i < shown.size(); ++i)
+      if (!shown[i]) is_shown[strokes.of_vertex[i]] = false;
+    for (std::size_t i = 0; i < on.size(); ++i) stays.push_back(!on[i] && !is_shown[strokes.of_vertex[i]]);
     left.append(graph::induced_subgraph(of_lines, stays));
   }
   return left;

@@ -27,8 +27,8 @@ struct Figures {
 Figures find_figures(core::FrameSource& source, const graph::SketchSequence& lines,
                      const core::Context& context = {});
 
-/// Returns the sketches without the lines that figures show: those whose flanks lie on an outline, also
-/// some frames before a figure begins and after it ends, while it fades.
+/// Returns the sketches without the lines that figures show: those whose flanks lie on an outline, and whole
+/// strokes that do so with a figure that ends up to two frames before or begins as much after: it fades.
 graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
                                        const graph::SketchSequence& outlines);
 

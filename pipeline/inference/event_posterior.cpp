@@ -19,6 +19,14 @@ namespace {
 using graph::EventType;
 using graph::SubgraphId;
 
+constexpr double kNever = -12;  // log odds
+
+/// Returns whether a birth or death is that of a stroke that comes in or goes out with the picture.
+bool is_crossing(const graph::Event& event, const std::map<SubgraphId, graph::detail::Life>& lives) {
+  return (event.type == EventType::birth && lives.at(event.after[0]).comes_in) ||
+         (event.type == EventType::death && lives.at(event.before[0]).goes_out);
+}
+
 /// Adds the gaps between strokes that die and strokes that are born; of `lives` only these are left open.
 void add_gaps(const graph::MotionGraph& motion, std::map<SubgraphId, graph::detail::Life>& lives,
               mcmc::ChangeField& field, std::span<const graph::Event> events) {
@@ -67,6 +75,7 @@ mcmc::ChangeField change_field(const graph::MotionGraph& motion, std::span<const
                         {}};
     for (const SubgraphId stroke : event.before) change.before.push_back(strand_of.at(stroke));
     for (const SubgraphId stroke : event.after) change.after.push_back(strand_of.at(stroke));
+    if (is_crossing(event, lives)) change.log_odds = kNever;
     field.changes.push_back(std::move(change));
   }
   add_gaps(motion, lives, field, events);

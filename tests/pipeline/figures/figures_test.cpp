@@ -460,7 +460,7 @@ TEST_CASE("lines in a figure that fades are left out while it does") {
     lines.append(graph::AttributeGraph({{graph::VertexId{0}, {}, inside}}, {}));
   const auto left = pipeline::without_outlines(lines, outlines);
   for (int t = last; t < kFrames; ++t)
-    CHECK(left.frames[static_cast<std::size_t>(t)].empty() == (t <= last + 3));
+    CHECK(left.frames[static_cast<std::size_t>(t)].empty() == (t <= last + 2));
 }
 
 TEST_CASE("figures join the lines of a clip, and events name the strokes of both") {

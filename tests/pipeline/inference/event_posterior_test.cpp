@@ -127,6 +127,26 @@ TEST_CASE("What leaves the picture has not died", "[posterior]") {
   CHECK(factor_of_death(76) < 2);
 }
 
+TEST_CASE("A short line that crosses the border comes in or goes out", "[posterior]") {
+  // 16 px long, as thin as a bird: before it is wholly out, what is left of it is too short to be drawn.
+  const auto believed = [](int last) {
+    const core::Clip clip = film(
+        [&](Point p, int t) {
+          const double x = 128 + 2.3 * t;
+          return 80 + (t <= last ? 60 * segment({x - 8, 60}, {x + 8, 60}, 3, 1)(p) : 0) +
+                 line(p, 40, 15, 105);
+        },
+        2);
+    auto events = posterior(clip, matched(clip));
+    std::erase_if(events, [](const graph::Event& e) { return e.probability < 0.5; });
+    return events;
+  };
+  CHECK(believed(kPosteriorFrames).empty());
+  const auto dies = believed(5);
+  REQUIRE(dies.size() == 1);
+  CHECK(dies[0].type == EventType::death);
+}
+
 TEST_CASE("Of an event the contrast is measured, and the frames until its opposite or the clip's end",
           "[posterior]") {
   const core::Clip clip = film(
