@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <limits>
 
-
 namespace emberfold::graph::detail {
 
 namespace {
