@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kThing = 20;     // patches, about 100 px
 constexpr double kBorder = 5;     // px: nearer to the picture's border, a stroke goes out through it
-constexpr double kShortest = 12;  // px: the sketch draws no shorter strokes
+constexpr double kShortest = 12;  // px: the sketch draws no shorter strokes (sketch.min_length)
 constexpr double kLeast = 0.1,
                  kMost = 0.6;       // probabilities beyond are taken as these: draws know of both ends
 constexpr double kRounding = 1e-9;  // of a probability
@@ -41,7 +41,7 @@ std::map<SubgraphId, Life> lives_of(const SketchSequence& sketch) {
   return lives;
 }
 
-/// How near a stroke of a frame comes to the picture's border, and how far from it it reaches, px.
+/// The distances from the picture's border of a stroke's nearest and farthest patch, px.
 struct Reach {
   double least = std::numeric_limits<double>::infinity(), most = 0;
 };
@@ -55,12 +55,14 @@ Reach reach_of(const SketchSequence& sketch, SubgraphId stroke, std::size_t fram
   return reach;
 }
 
-/// Returns whether a stroke of a frame, going on as it came from another one (one before or after), would be
-/// at the picture's border or beyond it, and what is left of it too short to be drawn.
-bool passes_border(const SketchSequence& sketch, SubgraphId stroke, std::size_t frame, std::size_t other) {
+/// Returns whether a stroke of a frame leaves through the picture's border: at the motion that it has had
+/// since another frame (the one before or after), it would next be at the border, and reach less than `rest`
+/// px into the picture.
+bool passes_border(const SketchSequence& sketch, SubgraphId stroke, std::size_t frame, std::size_t other,
+                   double rest) {
   const Reach now = reach_of(sketch, stroke, frame), was = reach_of(sketch, stroke, other);
-  const double by = was.most - now.most;  // of its far end: the border cuts off the near one
-  return by >= kStands && now.least - by < kBorder && now.most - by < kShortest;
+  const double by = was.most - now.most;  // motion of its far end: the border cuts off the near one
+  return by >= kStands && now.least - by < kBorder && now.most - by < rest;
 }
 
 /// Returns the likeliest event that names a stroke in a frame, before or after it; null if there is none.
@@ -121,8 +123,10 @@ std::map<SubgraphId, Life> believed_lives(const MotionGraph& motion, const Belie
                       previous = life.last - (life.last > life.first);
     life.begins = is_named(believed[life.first], &Event::after, stroke);
     life.ends = is_named(believed[life.last + 1], &Event::before, stroke);
-    life.comes_in = is_cut(life.first) || passes_border(motion.sketch, stroke, life.first, next);
-    life.goes_out = is_cut(life.last + 1) || passes_border(motion.sketch, stroke, life.last, previous);
+    const double rest =
+        life.closed > 0 ? kBorder : kShortest;  // the far side of a ring moves as it shrinks, too
+    life.comes_in = is_cut(life.first) || passes_border(motion.sketch, stroke, life.first, next, rest);
+    life.goes_out = is_cut(life.last + 1) || passes_border(motion.sketch, stroke, life.last, previous, rest);
   }
   return lives;
 }

@@ -29,8 +29,8 @@ constexpr double kSamePlace = 15;   // px: largest distance between the two even
 constexpr double kSameStroke = 4;   // px: largest mean distance of a stroke that comes back
 constexpr double kNearMiddle = 20;  // px: the same of its middle, which growth moves too
 constexpr double kWidestTear = 25;  // px: widest gap that is bridged
-constexpr int kSpeck = 1;           // frames: what lasts no longer cannot be followed
 constexpr double kWidestGap = 60;   // px: the same where pieces part and unite in one place
+constexpr int kSpeck = 1;           // frames: what lasts no longer cannot be followed
 
 std::vector<Draft> make_drafts(const SketchSequence& sketch) {
   return {sketch.frames.begin(), sketch.frames.end()};

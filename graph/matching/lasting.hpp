@@ -9,7 +9,8 @@
 namespace emberfold::graph::detail {
 
 /// Tells of each vertex of a motion graph whether its component over all frames, by edges and links, lasts
-/// longer than some frames, in the clip's first and last frame than one.
+/// longer than `frames`. Of one that is in the clip's first or last frame, and may continue outside the clip,
+/// two frames are enough.
 class Lasting {
  public:
   Lasting(const MotionGraph& motion, int frames);

@@ -76,15 +76,18 @@ std::vector<bool> on_outlines(const graph::AttributeGraph& lines, const graph::A
   return on;
 }
 
-/// Returns the outlines of a frame near t that frame t has not: of figures that fade there.
-graph::AttributeGraph fading_outlines(const graph::SketchSequence& outlines, std::size_t near,
-                                      std::size_t t) {
-  std::set<graph::SubgraphId> there;
-  for (const graph::Vertex& vertex : outlines.frames[t].vertices()) there.insert(vertex.subgraph);
-  std::vector<bool> fades;
-  for (const graph::Vertex& vertex : outlines.frames[near].vertices())
-    fades.push_back(!there.contains(vertex.subgraph));
-  return graph::induced_subgraph(outlines.frames[near], fades);
+std::set<graph::SubgraphId> strokes_of(const graph::AttributeGraph& graph) {
+  std::set<graph::SubgraphId> strokes;
+  for (const graph::Vertex& vertex : graph.vertices()) strokes.insert(vertex.subgraph);
+  return strokes;
+}
+
+/// Returns a graph without these strokes.
+graph::AttributeGraph without(const graph::AttributeGraph& graph,
+                              const std::set<graph::SubgraphId>& strokes) {
+  std::vector<bool> stays;
+  for (const graph::Vertex& vertex : graph.vertices()) stays.push_back(!strokes.contains(vertex.subgraph));
+  return graph::induced_subgraph(graph, stays);
 }
 
 }  // namespace
@@ -109,18 +112,20 @@ graph::SketchSequence without_outlines(const graph::SketchSequence& lines,
   for (std::size_t t = 0; t < lines.frames.size(); ++t) {
     const auto& of_lines = lines.frames[t];
     const std::vector<bool> on = on_outlines(of_lines, outlines.frames[t], size);
-    std::vector<bool> shown = on;
+    std::vector<bool> shown = on;  // there, or by a figure that fades
+    const auto there = strokes_of(outlines.frames[t]);
     const std::size_t first = t - std::min(t, kFadingFrames),
                       last = std::min(t + kFadingFrames, lines.frames.size() - 1);
     for (std::size_t near = first; near <= last; ++near) {
-      const auto fading = on_outlines(of_lines, fading_outlines(outlines, near, t), size);
+      const auto fading = on_outlines(of_lines, without(outlines.frames[near], there), size);
       for (std::size_t i = 0; i < shown.size(); ++i) shown[i] = shown[i] || fading[i];
     }
     const graph::Components strokes = graph::components(of_lines);
-    std::vector<bool> is_shown(strokes.count, true), stays;  // whole strokes
+    std::vector<bool> wholly_shown(strokes.count, true), stays;
     for (std::size_t i = 0; i < shown.size(); ++i)
-      if (!shown[i]) is_shown[strokes.of_vertex[i]] = false;
-    for (std::size_t i = 0; i < on.size(); ++i) stays.push_back(!on[i] && !is_shown[strokes.of_vertex[i]]);
+      if (!shown[i]) wholly_shown[strokes.of_vertex[i]] = false;
+    for (std::size_t i = 0; i < on.size(); ++i)
+      stays.push_back(!on[i] && !wholly_shown[strokes.of_vertex[i]]);
     left.append(graph::induced_subgraph(of_lines, stays));
   }
   return left;

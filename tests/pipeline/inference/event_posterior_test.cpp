@@ -128,7 +128,7 @@ TEST_CASE("What leaves the picture has not died", "[posterior]") {
 }
 
 TEST_CASE("A short line that crosses the border comes in or goes out", "[posterior]") {
-  // 16 px long, as thin as a bird: before it is wholly out, what is left of it is too short to be drawn.
+  // It is 16 px long. When a third of it is outside the picture, its visible part is too short to be drawn.
   const auto believed = [](int last) {
     const core::Clip clip = film(
         [&](Point p, int t) {
