@@ -14,6 +14,7 @@
 using namespace emberfold;
 using graph::Change;
 using graph::Contact;
+using graph::Point;
 using graph::TopologyChange;
 
 namespace {
@@ -130,6 +131,33 @@ TEST_CASE("A stroke that moves through the border enters or leaves; one that end
   CHECK(changes_of(4, true) == Change::enters);
   CHECK(changes_of(0, false) == Change::death);
   CHECK(changes_of(0, true) == Change::birth);
+}
+
+TEST_CASE("A short line that the border cuts off leaves; a small ring that shrinks near it dies",
+          "[graph][events]") {
+  // what vanishes after frame 1: its far end is nearer to the left border by `by` px than in frame 0
+  const auto leaves = [](const std::vector<Point>& last, double by, bool is_ring) {
+    std::vector<graph::AttributeGraph> frames;
+    for (const double x : {by, 0.0}) {
+      std::vector<Point> line = last;
+      for (std::size_t v = is_ring ? 2 : 0; v < line.size(); ++v) line[v].x += x;
+      test::Frame frame;
+      frame.line(line);
+      if (is_ring) frame.edge(0, 3);
+      frames.push_back(frame.graph());
+    }
+    frames.emplace_back();
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> links;
+    for (std::uint32_t v = 0; v < last.size(); ++v) links.emplace_back(v, v);
+    const auto changes = graph::topology_changes(graph::identify(test::motion(frames, {links, {}})));
+    return std::ranges::count(changes, Change::leaves, &TopologyChange::change) == 1;
+  };
+  const std::vector<Point> line{{1, 100}, {6, 100}, {11, 100}},
+      ring{{4, 100}, {4, 107}, {11, 107}, {11, 100}};
+  CHECK(leaves(line, 2, false));
+  CHECK_FALSE(leaves(line, 0, false));
+  CHECK_FALSE(leaves(ring, 2, true));
+  CHECK_FALSE(leaves({{1, 100}, {6, 100}, {11, 100}, {16, 100}}, 2, false));
 }
 
 TEST_CASE("A ring that the border cuts off enters; one away from it is born", "[graph][events]") {
