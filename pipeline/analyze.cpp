@@ -2,6 +2,7 @@
 #include "pipeline/analyze.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <set>
 #include <utility>
@@ -9,9 +10,11 @@
 #include "core/error.hpp"
 #include "core/freed_memory.hpp"
 #include "core/stage_clock.hpp"
+#include "core/text/format_number.hpp"
 #include "graph/curves/curve_strokes.hpp"
 #include "pipeline/figures/figures.hpp"
 #include "pipeline/footage/footage.hpp"
+#include "pipeline/inference/clearer_channel.hpp"
 #include "pipeline/inference/cuts.hpp"
 #include "pipeline/inference/event_posterior.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
@@ -125,6 +128,15 @@ std::string words_of(const std::vector<int>& cuts) {
          " (a cut, black frames or a flash); strokes that end or begin there are not counted as events";
 }
 
+std::string words_of(const ClearerChannel& clearer) {
+  constexpr std::array kNames = {"red", "green", "blue"};
+  const std::string channel = std::to_string(clearer.channel);
+  return std::string("strokes are followed in brightness; things in this clip differ from their ground ") +
+         (clearer.times < 100 ? core::fixed_text(clearer.times, 1) + " times" : std::string("far")) +
+         " more in " + kNames.at(static_cast<std::size_t>(clearer.channel)) + ", which '--channel " +
+         channel + "' reads alone";
+}
+
 /// Finds motion and events, or reads those that are kept; the motion model is learned where it is not kept.
 void find_motion(core::FrameSource& source, const graph::SketchSequence& sketch,
                  const AnalyzeOptions& options, const AnalysisStages* stages, bool has_model,
@@ -140,6 +152,8 @@ void find_motion(core::FrameSource& source, const graph::SketchSequence& sketch,
   } else {
     clock.begin("carry");
     analysis.cuts = find_cuts(source, context.with_progress({}));
+    if (const auto clearer = find_clearer_channel(source, context.with_progress({})))
+      context.warn(words_of(*clearer));
     graph::SketchSequence filled = add_lasting_patches(source, sketch, context);
     Figures figures;
     if (options.figures && !options.bottom_up && !options.curve_events) {
