@@ -14,9 +14,8 @@
 #include "graph/curves/curve_strokes.hpp"
 #include "pipeline/figures/figures.hpp"
 #include "pipeline/footage/footage.hpp"
-#include "pipeline/inference/clearer_channel.hpp"
-#include "pipeline/inference/cuts.hpp"
 #include "pipeline/inference/event_posterior.hpp"
+#include "pipeline/inference/first_look.hpp"
 #include "pipeline/inference/lasting_patches.hpp"
 #include "pipeline/stages/analysis_stages.hpp"
 #include "sketch/background/static_pixels.hpp"
@@ -151,9 +150,9 @@ void find_motion(core::FrameSource& source, const graph::SketchSequence& sketch,
     analysis.sampled = std::move(kept->sampled);
   } else {
     clock.begin("carry");
-    analysis.cuts = find_cuts(source, context.with_progress({}));
-    if (const auto clearer = find_clearer_channel(source, context.with_progress({})))
-      context.warn(words_of(*clearer));
+    FirstLook look = look_over(source, context.with_progress({}));
+    analysis.cuts = std::move(look.cuts);
+    if (look.clearer) context.warn(words_of(*look.clearer));
     graph::SketchSequence filled = add_lasting_patches(source, sketch, context);
     Figures figures;
     if (options.figures && !options.bottom_up && !options.curve_events) {

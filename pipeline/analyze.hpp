@@ -64,7 +64,7 @@ struct Analysis {
   std::vector<graph::Event> events;       ///< of AnalyzeOptions::least_probability or more
   std::vector<graph::Contact> contacts;   ///< how the parts meet, for each of `events`
   std::vector<graph::Event> all_events;   ///< of any probability
-  std::vector<int> cuts;                  ///< frames that begin another picture (find_cuts)
+  std::vector<int> cuts;                  ///< frames that begin another picture (FirstLook)
   ClipModel model;
   /// Rates of births, deaths, splits, merges, connects and disconnects, per frame, with their intervals.
   std::array<mcmc::RateInterval, 6> rates{};

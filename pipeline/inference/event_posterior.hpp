@@ -23,7 +23,7 @@ std::vector<graph::Event> weighed_events(core::FrameSource& source, const graph:
 
 /// Returns what may have happened in a matched clip, whose strokes are identified: its strands are the
 /// strokes, its changes `events`, in their order. `with_rate`: so many events, the first ones, are as likely
-/// as others about them are true. `cuts`: of find_cuts.
+/// as others about them are true. `cuts`: of FirstLook.
 mcmc::ChangeField change_field(const graph::MotionGraph& motion, std::span<const graph::Event> events,
                                std::size_t with_rate, std::span<const int> cuts);
 
@@ -35,7 +35,7 @@ mcmc::SamplerRun sample_events(const graph::MotionGraph& motion, std::vector<gra
 
 /// Makes the graph of a matched clip agree with its weighed events: it changes where events of this
 /// probability or more do (graph::keep_believed), and skipped patches are linked
-/// (graph::link_skipped_patches). `cuts`: of find_cuts.
+/// (graph::link_skipped_patches). `cuts`: of FirstLook.
 void settle_graph(graph::MotionGraph& motion, std::vector<graph::Event>& all_events,
                   std::span<const int> cuts, double least_probability);
 
