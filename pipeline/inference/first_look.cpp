@@ -20,7 +20,7 @@ constexpr double kLeastLike = 0.5;  // of the clip's median
 constexpr double kChanged = 6,
                  kMostCells = 0.5;    // grey levels, as figures' least contrast; share of the frame
 constexpr double kFlat = 1e-3;        // grey levels², of a frame without a picture
-constexpr double kLeastTimes = 4;     // of the luma's contrast
+constexpr double kLeastTimes = 4;     // of the luma's contrast; 36 real and made clips have 1 to 1.15
 constexpr double kLeastContrast = 1;  // grey levels; less is noise
 
 using Squares = std::array<double, 4>;  // of blue, green, red, as frames have them, and of the luma
